@@ -6,7 +6,7 @@ use gauge::Nominal;
 use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
 use machine::{Machine, ProgramDialect};
 use protocol::{
-    Arc, Code, Item, PerAxis, Position,
+    Arc, ByHand, Code, Item, PerAxis, Position,
     code_file::{CodeFile, CodeReader},
 };
 use rig::observe::{GaugeAsked, Message, Observer, ProgramWarning, Watch};
@@ -317,6 +317,10 @@ impl Fit<'_> {
             }
             Code::Pass(pass) => {
                 machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
+                return None;
+            }
+            Code::ByHand(ByHand::Begins { at: here, .. }) => {
+                *at = *here;
                 return None;
             }
             Code::Output { .. } | Code::Await { .. } => {

@@ -10,6 +10,7 @@
 //! | [`Interpolator`], `answer` | one tick: an event is found, the task goes one step, frames go out |
 //! | `task` | what the interpolator is doing: every state, every event, one function |
 //! | `program`, [`queue`] | the item in hand, what is executed at rest, items waiting, credit |
+//! | `hand` | blocks that are given by hand, one by one: whether another is there, whether a jog goes on |
 //! | `outputs` | outputs, at rest and in step with motion, and when they become safe |
 //! | `travel`, `run` | timed motion: moves that run without a stop, overrides, hold, single block |
 //! | `working` | the work in hand, piece by piece |
@@ -24,6 +25,7 @@
 
 mod axes;
 mod guard;
+mod hand;
 mod interpolator;
 mod outputs;
 mod pass;

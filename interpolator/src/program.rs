@@ -2,7 +2,7 @@
 
 use machine::Machine;
 use protocol::{
-    Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, Work,
+    ByHand, Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, Work,
     frame::SETPOINT_LEAD,
 };
 use route::Route;
@@ -54,6 +54,8 @@ pub(crate) enum Next {
     Await { input: u8, until: Until, within_s: f64 },
     /// Cycle start is wanted.
     Pause,
+    /// A block by hand is wanted, or begins.
+    ByHand(ByHand),
     /// An output waits for axes and spindle to stand.
     Standstill,
     /// An output that needs standstill is to change while something moves.
@@ -96,6 +98,10 @@ impl Program {
                 Code::Pause => {
                     self.queue.done();
                     return Next::Pause;
+                }
+                Code::ByHand(by_hand) => {
+                    self.queue.done();
+                    return Next::ByHand(by_hand);
                 }
                 Code::PathMode(mode) => route.set_mode(mode),
                 Code::Spindle { mode, speed } => spindle.program(mode, speed),

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use protocol::{Code, CodePacket, Item, Refused};
+use protocol::{ByHand, Code, CodePacket, Item, Refused};
 
 /// How many items wait at most, besides the one in hand.
 pub const DEPTH: usize = 64;
@@ -26,6 +26,8 @@ enum Source {
     Sends,
     /// The end of the program has come in.
     Ended,
+    /// The end of a block that was given by hand has come in: the next one is not asked for yet.
+    Waits,
     /// An item was damaged or out of order: what would follow it is not known.
     Refused,
     /// The sender is gone before the end of the program.
@@ -59,16 +61,25 @@ impl Queue {
         }
         let item = packet.unpack(self.received)?;
         self.received += 1;
-        if matches!(item.code, Code::End) {
-            self.source = Source::Ended;
+        match item.code {
+            Code::End => self.source = Source::Ended,
+            Code::ByHand(ByHand::Waits) => self.source = Source::Waits,
+            _ => {}
         }
         self.items.push_back(item);
         Ok(())
     }
 
+    /// The next block by hand is asked for.
+    pub fn ask(&mut self) {
+        if self.source == Source::Waits {
+            self.source = Source::Sends;
+        }
+    }
+
     /// No more will come although the program has not ended.
     pub fn lost(&mut self) {
-        if self.source == Source::Sends {
+        if matches!(self.source, Source::Sends | Source::Waits) {
             self.source = Source::Lost;
         }
     }
@@ -102,9 +113,9 @@ impl Queue {
         self.received
     }
 
-    /// Whether the end of the program has come in.
+    /// Whether the end of the program has come in, or of what is given by hand.
     pub fn ended(&self) -> bool {
-        self.source == Source::Ended
+        matches!(self.source, Source::Ended | Source::Waits)
     }
 
     /// Whether an item was refused, or the sender was lost: the program cannot go on behind what is here.

@@ -12,6 +12,7 @@ use protocol::{
 use route::{Move, Route, Routed};
 
 use crate::{
+    hand::Jog,
     outputs::Outputs,
     program::Program,
     queue::Queue,
@@ -62,6 +63,8 @@ pub(crate) struct Hands<'a> {
     /// The motion leads back to a pass that was left: no move of the program, and the hold that led there
     /// does not hold it.
     pub(crate) back: Option<Back>,
+    /// Whether it is a jog, and its key let go.
+    pub(crate) jog: Jog,
 }
 
 impl Hands<'_> {
@@ -96,6 +99,11 @@ impl Travel {
     /// The cycle from which on each axis has been led nowhere else: a later status tells that it is there.
     pub(crate) fn since(&self) -> &PerAxis<Cycle> {
         &self.since
+    }
+
+    /// Whether the axes of a machine rest here.
+    pub(crate) fn rests_at(&self, machine: &Machine, at: &PerAxis<Position>) -> bool {
+        machine.axes().all(|(axis, _)| at[axis.index()] == self.here[axis.index()])
     }
 
     /// The axes rest here, as others found or led them.
@@ -188,13 +196,18 @@ impl Travel {
     ) -> (PerAxis<Setpoint>, Moved, Option<u32>) {
         let (queue, outputs, panel) = (&mut program.queue, &mut program.outputs, hands.panel);
         let ends = panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT);
-        let single = panel.pressed(Panel::SINGLE_BLOCK);
+        let single = panel.pressed(Panel::SINGLE_BLOCK) && hands.jog == Jog::No;
         let taken = if hands.stops { Ok(()) } else { self.take(queue, outputs, single) };
         let mut moved = Moved { wait: hands.wait, fault: taken.err(), ends, stands: false, back: hands.back };
-        let last = ends || hands.stops || moved.fault.is_some();
+        let last = ends || hands.stops || hands.jog == Jog::LetGo || moved.fault.is_some();
         let feeds = self.run.last().is_some_and(|leg| leg.feed != Feed::Rapid);
+        let mut ratios = self.ratios(panel, hands.spindle.observed());
+        if hands.jog != Jog::No {
+            // So that it comes to rest as soon as it is said to.
+            ratios.feed = ratios.feed.min(1.0);
+        }
         let ask = Ask {
-            ratios: self.ratios(panel, hands.spindle.observed()),
+            ratios,
             hold: last || hands.holds() || hands.wait != Wait::No || feeds && hands.spindle.held(),
             single: single && !self.working.in_hand() && hands.back.is_none(),
             more: !queue.is_dry(),

@@ -26,6 +26,7 @@
 //! | `job` | the text of a job | moves, formulas, a trace |
 //! | `reach` | a machine | what it does not have, by name |
 //! | `stock`, `block` | moves, the part of a lathe, of a mill | what is left of it, and warnings |
+//! | `by_hand` | blocks given one by one, with where the axes rest | the items of each |
 //! | `output`, `merge` | codes | items in order, lines fewer where they lie near one line |
 //! | `tapping` | a tap | the pass that it is, proved feasible |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
@@ -36,6 +37,7 @@
 mod arc;
 mod auxiliary;
 mod block;
+mod by_hand;
 mod check;
 pub mod formula;
 mod frame;
@@ -67,6 +69,7 @@ use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
 
+pub use by_hand::ByHand;
 use check::diameters_mm;
 pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s, with_times};
 pub use gcode::{Diagnostic, Dialect, Guess, Outlasting, Severity};
@@ -97,6 +100,10 @@ pub struct Interpreter {
     /// The translator has found an error.
     failed: bool,
     ended: bool,
+    /// What is wrong with the block in hand, behind what the translator found.
+    late: Option<Diagnostic>,
+    /// Its texts come one by one, and none of them is the last.
+    by_hand: bool,
 }
 
 impl Interpreter {
@@ -110,6 +117,8 @@ impl Interpreter {
             reported: BTreeSet::new(),
             failed: false,
             ended: false,
+            late: None,
+            by_hand: false,
         }
     }
 
@@ -201,10 +210,20 @@ impl Interpreter {
         let astray = self.failed && self.translator.is_astray();
         let result = self.program.step(&mut self.translator);
         if matches!(result, Ok(Step::Ended)) {
-            self.translator.finish();
+            if !self.by_hand {
+                self.translator.finish();
+            }
             self.ended = true;
         }
         self.translator.end_of_block();
+        if let Err(error) = result {
+            self.late = Some(*error);
+        }
+        self.find(astray);
+    }
+
+    /// Takes up what was found; `astray`: the block begins where a refused move did not end.
+    fn find(&mut self, astray: bool) {
         for (place, problem) in self.translator.take_problems() {
             // A line that is run again and again is blamed once.
             let new = self.reported.insert((place.file, place.line, problem.code));
@@ -220,7 +239,7 @@ impl Interpreter {
             }
         }
         self.warnings.extend(self.program.take_warnings());
-        if let Err(error) = result {
+        if let Some(error) = self.late.take() {
             // A line has one error: what the machine lacks goes before what may stand there for want of it.
             let of_line = |other: &Diagnostic| (&other.file, other.line) == (&error.file, error.line);
             let lacks = matches!(error.code, "unused-word" | "no-spindle-speed");
@@ -228,7 +247,7 @@ impl Interpreter {
                 self.errors.retain(|other| !of_line(other));
             }
             if !(astray && error.code == "arc-radius" || self.errors.iter().any(of_line)) {
-                self.errors.push_back(*error);
+                self.errors.push_back(error);
             }
         }
     }

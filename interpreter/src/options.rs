@@ -125,7 +125,7 @@ pub fn open_text(
 }
 
 /// What a machine reads programs with, in a dialect.
-fn asked(dialect: Dialect, language: &Language, machine: &Machine) -> Result<Options, OpenError> {
+pub(crate) fn asked(dialect: Dialect, language: &Language, machine: &Machine) -> Result<Options, OpenError> {
     let mut options = options(machine);
     options.dialect = dialect;
     let kinematics = machine.general.kinematics;
@@ -177,7 +177,7 @@ pub fn dialect_of_text(text: &[u8], language: &Language, machine: &Machine) -> (
 }
 
 /// `None`: that of the program.
-fn named(dialect: ProgramDialect, machine: &Machine) -> Option<Dialect> {
+pub(crate) fn named(dialect: ProgramDialect, machine: &Machine) -> Option<Dialect> {
     let mill = machine.general.kinematics == machine::Kinematics::Mill;
     match dialect {
         ProgramDialect::Auto => None,

@@ -11,7 +11,7 @@
 use machine::{Machine, SpeedLaw, SpindleConfig};
 use motion::chain::{Ask, Block, Chain, Ratios};
 use protocol::{
-    Axis, Code, Feed, PerAxis, Position, Set, SpindleMode, SpindleSpeed, ThreadPass, Variation, Work,
+    Axis, ByHand, Code, Feed, PerAxis, Position, Set, SpindleMode, SpindleSpeed, ThreadPass, Variation, Work,
     frame::SETPOINT_LEAD, units::AXES,
 };
 use route::{Advance, Course, Move, Route, Routed, Unworkable};
@@ -138,6 +138,8 @@ impl<'m> Clock<'m> {
                 }
                 (self.mode, self.speed, self.index) = (*mode, *speed, None);
             }
+            // What was jogged before has led somewhere else than its move says.
+            Code::ByHand(ByHand::Begins { at, .. }) => self.at = *at,
             Code::Pass(pass) => self.pass(pass),
             Code::Variation(variation) => self.variation = *variation,
             Code::Formula { slot, formula } => self.route.set_formula(*slot, *formula),

@@ -54,7 +54,7 @@ async function press(word, value) {
   const said = $("said");
   said.className = answer.refused ? "no" : "";
   said.textContent = answer.refused ? `${word}: ${answer.why}` :
-    `${word}${value === undefined ? "" : " " + value}: in cycle ${answer.cycle}`;
+    `${word}${value === undefined ? "" : " " + (value instanceof Object ? JSON.stringify(value) : value)}: in cycle ${answer.cycle}`;
 }
 
 const number = (value, digits) => (value === undefined || value === null ? "–" : Number(value.toFixed(digits)).toFixed(digits));
@@ -70,6 +70,9 @@ function show(news) {
     document.title = (program.name || "pitchlock") + " · pitchlock";
   }
   if (news.program) text();
+  if (news.machine) jogs();
+  if ("mode" in news || "by_hand" in news) hands();
+  if ("by_hand" in news && !state.program?.text) text();
   if ("seat" in news) keys();
   $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}; ${state.words}` : state.words || "–";
   const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused" }[state.state];
@@ -77,10 +80,11 @@ function show(news) {
   const parts = [];
   if (state.time_s !== undefined) parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
   if (state.pass) parts.push(`pass ${state.pass} of ${state.program?.passes ?? "?"}, depth ${number(state.depth_mm, 3)} mm`);
-  if (state.left_s !== undefined && state.left_s !== null && state.state !== "ready") parts.push(clock(state.left_s) + " to go at 100 %");
+  if (state.left_s !== undefined && state.left_s !== null && state.state !== "ready" && !state.by_hand) parts.push(clock(state.left_s) + " to go at 100 %");
   if (state.tool) parts.push(["T" + state.tool, state.tool_name].filter(Boolean).join(" "));
   if (origin()) parts.push(`zero of the program at ${lathe() ? "X⌀ " + number(2 * origin()[0], 3) : "X " + number(origin()[0], 3)} Z ${number(origin()[1], 3)} of the machine`);
   if (state.coolant) parts.push(state.coolant);
+  if (state.recording === false) parts.push("too many presses: this session cannot be repeated");
   $("where").textContent = parts.join(" · ");
   $("prompt").hidden = !state.prompt;
   if ($("prompt").textContent !== (state.prompt || "")) $("prompt").textContent = state.prompt || "";
@@ -105,6 +109,7 @@ function keys() {
   $("take").textContent = mine ? "Give them back" : state.seat ? "Take over" : "Take the keys";
   $("take").disabled = !live;
   for (const key of document.querySelectorAll(".keys button,.keys input,.knobs input")) key.disabled = !mine || !live;
+  hands();
 }
 
 const lathe = () => state.machine?.kinematics === "lathe";
@@ -143,7 +148,7 @@ function text() {
   const pre = $("text");
   pre.textContent = "";
   const source = state.program?.text;
-  if (!source) { pre.textContent = state.program?.folder ? "The program is too long to be shown, or machine code." : ""; return; }
+  if (!source) { pre.textContent = state.by_hand ? "Work by hand" : state.program?.folder ? "The program is too long to be shown, or machine code." : ""; return; }
   source.split("\n").forEach((line, at) => {
     const row = document.createElement("div"), label = document.createElement("b");
     label.textContent = at + 1;
@@ -181,6 +186,61 @@ function told() {
   for (const fault of state.faults || []) say("fault", `${fault.source} ${fault.code}: ${fault.text}`, (fault.remedy ? "look at: " + fault.remedy : "") + ` (cycle ${fault.cycle})`);
   for (const message of [...(state.messages || [])].reverse()) say("", message.text, `line ${message.line}`);
   if (!list.children.length) say("", "none", "");
+}
+
+// Work by hand.
+function hands() {
+  const may = state.seat === me && socket && socket.readyState === 1, ready = may && state.mode === "ready";
+  $("mode").textContent = state.mode || "";
+  $("force").textContent = state.by_hand ? "in force: " + state.by_hand.in_force : "Switched on by hand, the machine jogs and takes blocks. Stop or abort switches it off.";
+  $("hand-on").disabled = !may || state.mode !== "off";
+  for (const key of document.querySelectorAll("#mdi button,#touch button,#turn button")) key.disabled = !ready;
+  // A key that is held down stays one.
+  for (const key of document.querySelectorAll("#jogs button")) key.disabled = !ready && jogging !== key;
+}
+let jogging = null, beats = null;
+function jogs() {
+  const house = $("jogs"), axes = state.machine.axes || [];
+  if (house.dataset.of === axes.join()) return;
+  house.dataset.of = axes.join();
+  house.textContent = "";
+  $("touch-axis").textContent = "";
+  axes.forEach((axis, at) => {
+    const name = document.createElement("span");
+    name.textContent = axis === "X" && lathe() ? "X radius" : axis;
+    house.append(name);
+    for (const way of ["-", "+"]) {
+      const key = document.createElement("button");
+      key.type = "button";
+      key.id = `jog-${axis}${way === "+" ? "-plus" : "-minus"}`;
+      key.textContent = (way === "+" ? "+" : "−") + axis;
+      key.onpointerdown = () => jog(key, axis, way, at);
+      key.onpointerup = key.onpointercancel = key.onpointerleave = key.onblur = letGo;
+      key.oncontextmenu = () => false;
+      house.append(key);
+    }
+    const choice = document.createElement("option");
+    choice.textContent = axis;
+    $("touch-axis").append(choice);
+  });
+  hands();
+}
+function jog(key, axis, way, at) {
+  const step = Number($("step").value), feed = Number($("jog-feed").value);
+  if (step) return press("jog", { axis, mm_min: feed, step_mm: way === "+" ? step : -step });
+  jogging = key;
+  press("jog", { axis, mm_min: Math.min(feed, state.machine.fastest_jog[at]), way });
+  beats = setInterval(async () => {
+    const answer = await ask("jog-on");
+    if (answer.refused) letGo();
+  }, 25);
+}
+function letGo() {
+  if (!jogging) return;
+  clearInterval(beats);
+  jogging = beats = null;
+  ask("let-go");
+  hands();
 }
 
 // Views: a lathe has X over Z, others X–Y, X–Z and Y–Z.
@@ -280,6 +340,11 @@ function view(canvas, right, up, here, height) {
 }
 
 for (const key of document.querySelectorAll("[data-do]")) key.onclick = () => press(key.dataset.do);
+$("mdi").onsubmit = (event) => { event.preventDefault(); press("mdi", $("block").value); };
+$("touch").onsubmit = (event) => { event.preventDefault(); press("touch-off", { axis: $("touch-axis").value, value: Number($("touch-value").value) }); };
+$("turn").onsubmit = (event) => { event.preventDefault(); press("spindle", Number($("turn-rpm").value)); };
+$("turn-stop").onclick = () => press("spindle", 0);
+window.onblur = letGo;
 $("single").onchange = (event) => press("single-block", event.target.checked);
 for (const name of ["spindle", "feed", "rapid"]) {
   const slider = $(name + "-override");

@@ -4,6 +4,7 @@
 //! became of presses; what goes up are presses. The other end is [`Link`], in the launcher, which never
 //! waits: a panel that is slow, hangs or dies costs what it does not show, and nothing else.
 
+mod by_hand;
 mod link;
 mod press;
 mod seen;
@@ -14,7 +15,7 @@ pub use link::Link;
 pub use press::{DOES, Does, Refusal, pressed};
 pub use seen::{AxisSeen, Fault, Knobs, MachineSeen, Message, PassSeen, ProgramSeen, Seen, SpindleSeen};
 pub use server::serve;
-pub use wire::{FromPanel, Point, ToPanel};
+pub use wire::{FromPanel, HandAsked, Point, ToPanel};
 
 /// The pages, as they are sent: path, kind, content.
 pub const PAGES: [(&str, &str, &str); 3] = [

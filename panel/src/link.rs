@@ -169,10 +169,10 @@ mod tests {
         let mut link = Link::new(ours).expect("it need not wait");
         assert_eq!(link.press(), None);
         theirs.write_all(b"{\"ticket\":1,\"kind\":4,\"value\":0.0}\n{\"ticket\":2,\"ki").expect("room");
-        assert_eq!(link.press(), Some(FromPanel { ticket: 1, kind: 4, value: 0.0 }));
+        assert_eq!(link.press(), Some(FromPanel { ticket: 1, kind: 4, ..FromPanel::default() }));
         assert_eq!(link.press(), None);
         theirs.write_all(b"nd\":1,\"value\":60.5}\nstop!\n").expect("room");
-        assert_eq!(link.press(), Some(FromPanel { ticket: 2, kind: 1, value: 60.5 }));
+        assert_eq!(link.press(), Some(FromPanel { ticket: 2, kind: 1, value: 60.5, hand: None }));
         assert!(!link.is_broken());
         assert_eq!((link.press(), link.is_broken()), (None, true));
 

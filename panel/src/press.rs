@@ -5,6 +5,11 @@ use protocol::{OperatorRequest, operator::Request};
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::{
+    by_hand,
+    wire::{FromPanel, HandAsked},
+};
+
 /// Most characters of a name.
 const LONGEST_NAME: usize = 32;
 
@@ -21,12 +26,14 @@ pub enum Does {
     TakeSeat,
     /// Who asks gives them back.
     LeaveSeat,
+    /// Work by hand: what its value says.
+    Hand(fn(&Value) -> Result<HandAsked, &'static str>),
     /// This machine cannot do it yet.
     NotYet,
 }
 
 /// Every word, in the order of the documentation.
-pub const DOES: [(&str, Does); 17] = [
+pub const DOES: [(&str, Does); 20] = [
     ("start", Does::Button(Request::CycleStart)),
     ("hold", Does::Button(Request::FeedHold)),
     ("stop", Does::Button(Request::Stop)),
@@ -38,12 +45,15 @@ pub const DOES: [(&str, Does); 17] = [
     ("rapid-override", Does::Knob(Request::RapidOverride, 100.0)),
     ("take-seat", Does::TakeSeat),
     ("leave-seat", Does::LeaveSeat),
-    ("jog", Does::NotYet),
-    ("mdi", Does::NotYet),
+    ("by-hand", Does::Hand(by_hand::on)),
+    ("mdi", Does::Hand(by_hand::block)),
+    ("jog", Does::Hand(by_hand::jog)),
+    ("jog-on", Does::Hand(by_hand::jog_on)),
+    ("let-go", Does::Button(Request::Jog(false))),
+    ("touch-off", Does::Hand(by_hand::touch_off)),
+    ("spindle", Does::Hand(by_hand::spindle)),
     ("home", Does::NotYet),
-    ("touch-off", Does::NotYet),
     ("tool-change", Does::NotYet),
-    ("spindle", Does::NotYet),
 ];
 
 /// Why something is not done.
@@ -67,8 +77,10 @@ impl Refusal {
 /// What is wrong with it.
 pub fn pressed(document: &[u8]) -> Result<Option<OperatorRequest>, Refusal> {
     Ok(match read(document).1?.1 {
-        Asked::Press { kind, value } => Some(OperatorRequest { kind, value, ..OperatorRequest::default() }),
-        Asked::TakeSeat | Asked::LeaveSeat => None,
+        Asked::Press(FromPanel { hand: None, kind, value, .. }) => {
+            Some(OperatorRequest { kind, value, ..OperatorRequest::default() })
+        }
+        Asked::Press(_) | Asked::TakeSeat | Asked::LeaveSeat => None,
     })
 }
 
@@ -88,10 +100,7 @@ struct Document {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Asked {
     /// It goes to the machine.
-    Press {
-        kind: u32,
-        value: f64,
-    },
+    Press(FromPanel),
     TakeSeat,
     LeaveSeat,
 }
@@ -139,6 +148,12 @@ fn asked(word: &str, value: &Value, name: String) -> Result<(String, Asked), Ref
         (Does::TakeSeat, _) => return Ok((name, Asked::TakeSeat)),
         (Does::LeaveSeat, _) => return Ok((name, Asked::LeaveSeat)),
         (Does::Button(request), _) => request,
+        (Does::Hand(asks), value) => match asks(value) {
+            Ok(hand) => {
+                return Ok((name, Asked::Press(FromPanel { hand: Some(hand), ..FromPanel::default() })));
+            }
+            Err(what) => return wrong(what.into()),
+        },
         (Does::Switch(request), Value::Bool(on)) => request(*on),
         (Does::Switch(_), _) => return wrong("value is true or false".into()),
         (Does::Knob(request, highest), value) => match value.as_f64() {
@@ -147,7 +162,7 @@ fn asked(word: &str, value: &Value, name: String) -> Result<(String, Asked), Ref
         },
     };
     let OperatorRequest { kind, value, .. } = OperatorRequest::pack(0, request);
-    Ok((name, Asked::Press { kind, value }))
+    Ok((name, Asked::Press(FromPanel { kind, value, ..FromPanel::default() })))
 }
 
 #[cfg(test)]
@@ -167,6 +182,13 @@ mod tests {
             let value = match does {
                 Does::Switch(_) => ",\"value\":true",
                 Does::Knob(..) => ",\"value\":62.5",
+                Does::Hand(_) => match word {
+                    "mdi" => ",\"value\":\"G0 X1\"",
+                    "jog" => ",\"value\":{\"axis\":\"Z\",\"mm_min\":5,\"way\":\"-\"}",
+                    "touch-off" => ",\"value\":{\"axis\":\"Z\",\"value\":-2.5}",
+                    "spindle" => ",\"value\":-300",
+                    _ => "",
+                },
                 _ => "",
             };
             let text = format!("{{\"id\":7,\"do\":\"{word}\",\"as\":\"me\"{value}}}");
@@ -175,7 +197,18 @@ mod tests {
                 (Does::NotYet, Err(refusal)) => assert_eq!(refusal.code, "not-there-yet"),
                 (Does::TakeSeat, asked) => assert_eq!(asked, Ok(("me".into(), Asked::TakeSeat))),
                 (Does::LeaveSeat, asked) => assert_eq!(asked, Ok(("me".into(), Asked::LeaveSeat))),
-                (_, Ok((_, Asked::Press { kind, value }))) => {
+                (Does::Hand(_), Ok((_, Asked::Press(press)))) => {
+                    let wanted = match word {
+                        "by-hand" => HandAsked::On,
+                        "mdi" => HandAsked::Block("G0 X1".into()),
+                        "jog" => HandAsked::Jog { axis: "Z".into(), positive: false, mm_min: 5.0 },
+                        "jog-on" => HandAsked::JogOn,
+                        "touch-off" => HandAsked::TouchOff { axis: "Z".into(), value: -2.5 },
+                        _ => HandAsked::Spindle(-300.0),
+                    };
+                    assert_eq!(press.hand, Some(wanted), "{word}");
+                }
+                (_, Ok((_, Asked::Press(FromPanel { kind, value, .. })))) => {
                     let packet = OperatorRequest { kind, value, ..OperatorRequest::default() };
                     let request = packet.unpack().unwrap_or_else(|error| panic!("{word}: {error}"));
                     let wanted = match does {
@@ -220,6 +253,6 @@ mod tests {
         let deep = "[".repeat(100_000);
         assert_eq!(refused(&deep).1, "bad-request");
         let (id, _, why) = refused("{\"id\":\"a\",\"do\":\"go\",\"as\":\"me\"}");
-        assert!(id == "a" && why.contains("take-seat") && !why.contains("jog"), "{why}");
+        assert!(id == "a" && why.contains("take-seat") && !why.contains("home"), "{why}");
     }
 }

@@ -45,6 +45,8 @@ pub struct MachineSeen {
     /// Angle between the flanks of threading tools, degrees, by number; of others the one of the machine
     /// file, at 0.
     pub flanks_deg: BTreeMap<u32, f64>,
+    /// Of each axis the fastest jog that goes on while a key is pressed, mm/min.
+    pub fastest_jog: Vec<f64>,
 }
 
 /// One axis.

@@ -39,8 +39,48 @@ pub enum ToPanel {
     },
 }
 
-/// Panel → launcher: a press, as [`OperatorRequest`](protocol::OperatorRequest) numbers it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// What somebody asks of work by hand. Lengths in mm, feeds in mm/min (degrees of rotary axes).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HandAsked {
+    /// The machine is to be switched on for it.
+    On,
+    /// A block of G-code.
+    Block(String),
+    /// One axis goes so far.
+    Step {
+        /// Its name.
+        axis: String,
+        /// How far, signed.
+        mm: f64,
+        /// How fast.
+        mm_min: f64,
+    },
+    /// One axis goes as long as that is confirmed.
+    Jog {
+        /// Its name.
+        axis: String,
+        /// Towards higher values.
+        positive: bool,
+        /// How fast.
+        mm_min: f64,
+    },
+    /// A jog is confirmed.
+    JogOn,
+    /// Where an axis stands is this value of the coordinate system in force, in units of the program.
+    TouchOff {
+        /// Its name.
+        axis: String,
+        /// The value.
+        value: f64,
+    },
+    /// The spindle turns at this speed, 1/min; negative counterclockwise, 0 not at all.
+    Spindle(f64),
+}
+
+/// Panel → launcher: a press, as [`OperatorRequest`](protocol::OperatorRequest) numbers it, or what is asked of
+/// work by hand.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FromPanel {
     /// Running number, for the answer.
     pub ticket: u64,
@@ -48,4 +88,7 @@ pub struct FromPanel {
     pub kind: u32,
     /// Per cent; 1 or 0 of a switch; else 0.
     pub value: f64,
+    /// Of work by hand; then the others mean nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hand: Option<HandAsked>,
 }

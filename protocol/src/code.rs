@@ -221,6 +221,21 @@ impl Until {
     }
 }
 
+/// What stands between blocks that somebody gives by hand, one by one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ByHand {
+    /// Wait at rest until another block is given ([`Panel::BLOCK`](crate::Panel::BLOCK)). What follows is asked
+    /// for only then: it need not be known before.
+    Waits,
+    /// A block begins.
+    Begins {
+        /// Where the axes rest, as whoever gave the block knew; a machine that rests elsewhere refuses it.
+        at: PerAxis<Position>,
+        /// Its one move goes on while the jog key is pressed ([`Panel::JOG`](crate::Panel::JOG)).
+        jogs: bool,
+    },
+}
+
 /// One instruction of the machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant)] // fixed size is the point: the queue holds it by value
@@ -302,6 +317,8 @@ pub enum Code {
     /// How the speed of the spindle is varied in the passes that follow; nothing: it is not. A program begins
     /// without.
     Variation(Option<Variation>),
+    /// Between blocks that are given by hand.
+    ByHand(ByHand),
 }
 
 impl Item {
@@ -336,7 +353,7 @@ impl Item {
             Code::Output { number, set, .. } => set.check(*number),
             Code::Await { input, .. } if *input >= INPUTS => Err(Refused::OutOfRange("number of an input")),
             Code::Await { within_s, .. } => positive(*within_s, "wait for an input"),
-            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End => Ok(()),
+            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End | Code::ByHand(_) => Ok(()),
         }
     }
 }

@@ -32,7 +32,8 @@ pub mod work;
 pub use arc::{Arc, Plane};
 pub use arrival::{Arrival, Differs, Input, Taken};
 pub use code::{
-    ANALOG_OUTPUTS, Code, Feed, INPUTS, Item, OUTPUTS, PathMode, Set, SpindleMode, SpindleSpeed, Until,
+    ANALOG_OUTPUTS, ByHand, Code, Feed, INPUTS, Item, OUTPUTS, PathMode, Set, SpindleMode, SpindleSpeed,
+    Until,
 };
 pub use code_packet::{CodePacket, Credit};
 pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};

@@ -46,7 +46,8 @@ pub struct Panel {
     /// Rapid override, per cent, 0 to 100.
     pub rapid_override_pct: f64,
     /// Sum of [`Panel::FEED_HOLD`], [`Panel::STOP`], [`Panel::SINGLE_BLOCK`], [`Panel::ABORT`],
-    /// [`Panel::EMERGENCY_STOP`] and [`Panel::POWER_LOST`].
+    /// [`Panel::EMERGENCY_STOP`], [`Panel::POWER_LOST`], [`Panel::JOG`] and
+    /// [`Panel::BLOCK`].
     pub buttons: u32,
     /// How often cycle start was pressed. A count, so that no press is lost between two looks at the panel.
     pub cycle_starts: u32,
@@ -67,6 +68,13 @@ impl Panel {
     pub const EMERGENCY_STOP: u32 = 16;
     /// The mains have failed: the drives have torque for as long as their link holds. It stays.
     pub const POWER_LOST: u32 = 32;
+    /// The jog key is pressed: a move by hand that asks for it goes on. The panel lets go of it by itself when
+    /// nobody has confirmed it for [`Panel::JOG_SILENT_S`].
+    pub const JOG: u32 = 64;
+    /// Whether the number of blocks that were given by hand is odd: it changes when one is there to be begun.
+    pub const BLOCK: u32 = 128;
+    /// So long the jog key stays pressed with nobody to confirm it, s on the machine.
+    pub const JOG_SILENT_S: f64 = 0.08;
 
     /// Whether a button is pressed.
     pub fn pressed(&self, button: u32) -> bool {

@@ -29,6 +29,10 @@ pub enum Request {
     Abort,
     /// Emergency stop, stop category 1. It stays pressed.
     EmergencyStop,
+    /// The jog key: pressed, or confirmed where it is pressed already; or let go.
+    Jog(bool),
+    /// Another block by hand is there, and begins when the machine waits for one.
+    Block,
 }
 
 /// A [`Request`] on the wire.
@@ -62,6 +66,8 @@ impl OperatorRequest {
             Request::SingleBlock(on) => (7, f64::from(u8::from(on))),
             Request::Abort => (8, 0.0),
             Request::EmergencyStop => (9, 0.0),
+            Request::Jog(on) => (10, f64::from(u8::from(on))),
+            Request::Block => (11, 0.0),
         };
         OperatorRequest { sequence, kind, reserved: 0, value }
     }
@@ -85,6 +91,8 @@ impl OperatorRequest {
             7 => Request::SingleBlock(self.value != 0.0),
             8 => Request::Abort,
             9 => Request::EmergencyStop,
+            10 => Request::Jog(self.value != 0.0),
+            11 => Request::Block,
             other => return Err(Refused::UnknownCode { field: "operator request", code: other }),
         })
     }

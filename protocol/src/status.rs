@@ -162,6 +162,8 @@ pub enum MachineState {
     Fault = 6,
     /// Waits for cycle start.
     Paused = 7,
+    /// At rest, for whoever works by hand: waits for the next block.
+    ByHand = 8,
 }
 
 impl MachineState {
@@ -179,6 +181,7 @@ impl MachineState {
             5 => MachineState::Ended,
             6 => MachineState::Fault,
             7 => MachineState::Paused,
+            8 => MachineState::ByHand,
             other => return Err(Refused::UnknownCode { field: "machine state", code: other }),
         })
     }

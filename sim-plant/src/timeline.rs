@@ -48,6 +48,8 @@ pub(crate) struct Timeline {
     knobs: [Ramped; 3],
     /// Buttons; its overrides mean nothing.
     pressed: Panel,
+    /// Cycles for which nobody has confirmed the jog key.
+    silent: u64,
     /// Cycles for which the program has waited for cycle start with nobody to press it.
     unattended: u64,
     burdens: [Ramped; 3],
@@ -79,6 +81,7 @@ impl Timeline {
             knobs: [Ramped::at(100.0); 3],
             pressed: Panel::default(),
             unattended: 0,
+            silent: 0,
             burdens: [Ramped::at(0.0); 3],
             burden_until: [None; 3],
             pass: PassInHand::default(),
@@ -193,6 +196,11 @@ impl Timeline {
             Request::SingleBlock(on) => self.pressed.press(Panel::SINGLE_BLOCK, on),
             Request::Abort => self.pressed.press(Panel::ABORT, true),
             Request::EmergencyStop => self.pressed.press(Panel::EMERGENCY_STOP, true),
+            Request::Jog(on) => {
+                self.pressed.press(Panel::JOG, on);
+                self.silent = 0;
+            }
+            Request::Block => self.pressed.press(Panel::BLOCK, !self.pressed.pressed(Panel::BLOCK)),
         }
     }
 
@@ -209,6 +217,7 @@ impl Timeline {
                 self.act(action, moment);
             }
         }
+        self.let_go();
         self.change_inputs(moment.cycle);
         self.orders.advance(moment.cycle.0);
         self.attend(tags);
@@ -220,6 +229,14 @@ impl Timeline {
                 burden.go(0.0, self.rise_cycles);
             }
             burden.advance();
+        }
+    }
+
+    /// A jog key that nobody confirms is let go.
+    fn let_go(&mut self) {
+        self.silent += 1;
+        if self.silent > (Panel::JOG_SILENT_S / self.cycle_s).round() as u64 {
+            self.pressed.press(Panel::JOG, false);
         }
     }
 

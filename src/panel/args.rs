@@ -8,6 +8,7 @@ use crate::run::RunArgs;
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock panel examples/m20x2.ngc              loads the program; start, and start again, from the page
+  pitchlock panel                                 without a program: jog, and give blocks by hand
   pitchlock panel part.ngc --machine my-lathe.toml --pace 0.2
   pitchlock run part.ngc --panel                  starts at once, and ends with the run
   pitchlock run runs/part-1                       repeats a session from its folder, bit for bit
@@ -41,8 +42,12 @@ impl PanelArgs {
     }
 }
 
-/// Arguments of `pitchlock panel`.
+/// What comes of work by hand, and stands for a program where none is named.
+pub(crate) const BY_HAND: &str = "by-hand.mc";
+
+/// Arguments of `pitchlock panel`: those of a run, with or without a program.
 #[derive(Clone, Debug, Args)]
+#[command(mut_arg("program", |program| program.required(false).default_value(BY_HAND)))]
 pub(crate) struct PanelCommandArgs {
     #[command(flatten)]
     pub(crate) run: RunArgs,

@@ -3,16 +3,18 @@
 
 use std::{collections::BTreeMap, path::Path, time::Duration};
 
-use ::panel::{MachineSeen, Point, ProgramSeen, ToPanel};
+use ::panel::{HandAsked, MachineSeen, Point, ProgramSeen, ToPanel};
 use machine::Machine;
 use process::ipc::time::Moment;
-use protocol::{Arrival, Input, Taken, operator::Request};
+use protocol::{Arrival, Input, Item, Taken, operator::Request};
 use rig::observe::{Observer, Record, Summary};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
+    hand::{Hand, fastest_jog},
     known::Known,
+    mode::{Mode, Press},
     session::{Session, Who, request},
     view::{self, Counts},
     web::Web,
@@ -33,13 +35,15 @@ const MOST_PLACES: usize = 8192;
 /// Most presses that are taken at once, and that may be on their way to the plant.
 const MOST_PRESSES: usize = 8;
 const MOST_WAITING: usize = 32;
+/// Most requests that one press becomes.
+const REQUESTS_OF_A_PRESS: usize = 2;
 
 /// The panel.
 pub(crate) struct Live {
     /// The command ends with the run.
     pub(crate) ends_with_its_run: bool,
     web: Web,
-    session: Session,
+    pub(super) session: Session,
     /// What stays the same during a run, to be told again to a panel that was started again.
     still: Map<String, Value>,
     known: Known,
@@ -57,6 +61,9 @@ pub(crate) struct Live {
     untold: Map<String, Value>,
     /// What was shown of the run last.
     last: Map<String, Value>,
+    /// Work by hand, if the run is that.
+    pub(super) hand: Option<Hand>,
+    pub(super) mode: Mode,
 }
 
 fn fields(of: &impl Serialize) -> Map<String, Value> {
@@ -84,6 +91,8 @@ impl Live {
             stale: true,
             untold: Map::new(),
             last: Map::new(),
+            hand: None,
+            mode: Mode::Off,
         }
     }
 
@@ -136,6 +145,10 @@ impl Live {
     /// One control cycle of a run.
     pub(crate) fn cycle(&mut self, record: &Record, observer: &Observer) {
         let cycle = record.truth.cycle.0;
+        if let Some(hand) = &mut self.hand {
+            hand.cycle(record);
+        }
+        self.mode = Mode::of(record, self.hand.as_ref().map(Hand::doing));
         self.takes_a_turn(record);
         if !cycle.is_multiple_of(EVERY) {
             return;
@@ -187,7 +200,8 @@ impl Live {
     fn show(&mut self, record: &Record, observer: &Observer) {
         self.shown = Moment::now();
         let seen = view::seen(record, observer, self.lists, &mut self.known);
-        let shown = fields(&seen);
+        let mut shown = fields(&seen);
+        self.shows_hand(&mut shown);
         if self.stale || !self.web.link.offer(&ToPanel::Set(shown.clone())) {
             return;
         }
@@ -205,40 +219,71 @@ impl Live {
         }
     }
 
-    /// Looks after the panel, and takes what was pressed: what is to be sent to the plant.
-    pub(crate) fn presses(&mut self) -> Vec<Request> {
+    /// Looks after the panel, and takes what was pressed: machine code by hand, and what is to be sent to the
+    /// plant behind it.
+    pub(crate) fn presses(&mut self) -> (Vec<Item>, Vec<Request>) {
         self.look();
-        let mut requests = Vec::new();
+        let (mut items, mut requests) = (Vec::new(), Vec::new());
         for _ in 0..MOST_PRESSES {
             let Some(press) = self.web.link.press() else { break };
-            let wanted = request(press.kind, press.value).filter(|_| self.session.waiting() < MOST_WAITING);
-            match wanted {
-                Some(request) => {
+            if self.session.waiting() + REQUESTS_OF_A_PRESS > MOST_WAITING {
+                self.refuse(press.ticket, "too-many", "presses come faster than the machine takes them");
+                continue;
+            }
+            if let Some(asked) = &press.hand {
+                self.takes_by_hand(press.ticket, asked, &mut items, &mut requests);
+                continue;
+            }
+            let wanted = request(press.kind, press.value);
+            let starts = wanted == Some(Request::CycleStart);
+            match (wanted, starts.then(|| self.mode.refuses(Press::Start)).flatten()) {
+                (Some(request), None) => {
                     self.session.sent(request, Who::Panel(press.ticket));
                     requests.push(request);
                 }
-                None => {
-                    self.refuse(press.ticket, "too-many", "presses come faster than the machine takes them")
+                (_, Some(why)) => {
+                    let over = matches!(self.mode, Mode::Stopping | Mode::Faulted);
+                    self.refuse(press.ticket, if over { "not-running" } else { "not-now" }, why);
+                }
+                (None, None) => self.refuse(press.ticket, "unknown", "the machine has no such key"),
+            }
+        }
+        (items, requests)
+    }
+
+    /// What somebody wants while nothing runs: start with a program that is loaded, work by hand, or nothing;
+    /// everything else is refused.
+    pub(crate) fn wish(&mut self, loaded: bool) -> Option<Press> {
+        self.look();
+        self.mode = Mode::Off;
+        while let Some(press) = self.web.link.press() {
+            let start = press.kind == protocol::OperatorRequest::pack(0, Request::CycleStart).kind;
+            let wish = match &press.hand {
+                Some(HandAsked::On) => Press::Hand,
+                Some(HandAsked::JogOn) => Press::JogOn,
+                Some(_) => Press::Block,
+                None if start => Press::Start,
+                None => Press::Always,
+            };
+            match (self.mode.refuses(wish), wish) {
+                (Some(why), _) => self.refuse(press.ticket, "not-running", why),
+                (None, Press::Start) if !loaded => {
+                    self.refuse(
+                        press.ticket,
+                        "not-running",
+                        "no program is loaded: by-hand works without one",
+                    );
+                }
+                (None, wish) => {
+                    self.web.link.answer(&ToPanel::Taken { ticket: press.ticket, cycle: 0 });
+                    return Some(wish);
                 }
             }
         }
-        requests
+        None
     }
 
-    /// Whether somebody has pressed start, while nothing runs; everything else is refused.
-    pub(crate) fn is_started(&mut self) -> bool {
-        self.look();
-        while let Some(press) = self.web.link.press() {
-            if press.kind == protocol::OperatorRequest::pack(0, Request::CycleStart).kind {
-                self.web.link.answer(&ToPanel::Taken { ticket: press.ticket, cycle: 0 });
-                return true;
-            }
-            self.refuse(press.ticket, "not-running", "no program runs; start starts it");
-        }
-        false
-    }
-
-    fn refuse(&mut self, ticket: u64, code: &str, why: &str) {
+    pub(super) fn refuse(&mut self, ticket: u64, code: &str, why: &str) {
         let (code, why) = (code.to_owned(), why.to_owned());
         self.web.link.answer(&ToPanel::Refused { ticket, code, why });
     }
@@ -277,7 +322,9 @@ impl Live {
         // A panel that is started again behind the run shows how it ended.
         let last = std::mem::take(&mut self.last).into_iter();
         self.still.extend(last.filter(|(name, _)| name != "state" && name != "words"));
-        self.stands(fields(&json!({ "outcome": summary.outcome })));
+        self.stands(fields(
+            &json!({ "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null }),
+        ));
         self.look();
         let path = folder.join(PRESSES);
         let written = self.session.events().map(|text| intake::replace(&path, text.as_bytes()));
@@ -333,6 +380,7 @@ pub(crate) fn stays(setup: &Setup, observer: &Observer, text: Option<String>) ->
             stock: observer.stock().and_then(|stock| serde_json::to_value(stock).ok()),
             origin_mm,
             flanks_deg: flanks_deg(machine),
+            fastest_jog: axes.iter().map(|(_, config)| fastest_jog(config)).collect(),
         },
     )
 }

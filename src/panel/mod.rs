@@ -2,8 +2,11 @@
 //! one.
 
 mod args;
+mod by_hand;
+pub(crate) mod hand;
 mod known;
 mod live;
+mod mode;
 mod plan;
 mod session;
 mod view;
@@ -11,12 +14,17 @@ mod web;
 
 use std::{
     net::TcpListener,
-    os::{fd::AsFd as _, unix::net::UnixStream},
+    os::{
+        fd::AsFd as _,
+        unix::{fs::DirBuilderExt as _, net::UnixStream},
+    },
+    path::PathBuf,
     process::ExitCode,
     time::Duration,
 };
 
 use process::ipc::time::{Moment, sleep_until};
+use protocol::{Code, Item, code_file::CodeFile};
 use serde_json::json;
 
 pub(crate) use args::{HELP, PanelArgs, PanelCommandArgs};
@@ -50,11 +58,13 @@ impl Live {
     }
 
     /// Shows a run that is about to begin.
-    pub(crate) fn prepared(&mut self, setup: &run::Setup) {
+    pub(crate) fn prepared(&mut self, setup: &run::Setup) -> Result<(), CliError> {
+        self.begins_by_hand(setup)?;
         let observer = setup.program.observer(&setup.machine);
         let text = intake::text(&setup.folder.program, MOST_TEXT).ok();
         let (program, machine) = stays(setup, &observer, text);
         self.begins(&program, &machine, Known::of(setup));
+        Ok(())
     }
 }
 
@@ -68,32 +78,75 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
         return Err(CliError::Input("--resume is for run: pitchlock run RUN_DIR --resume".into()));
     }
     // Whatever is wrong with the input is said before there is a panel.
-    let program = run::judged(asked)?;
+    let loaded = asked.program.as_os_str() != args::BY_HAND;
+    let empty = Empty::new(asked)?;
+    let by_hand = RunArgs { program: empty.path.clone(), by_hand: true, ..asked.clone() };
+    let program = run::judged(if loaded { asked } else { &by_hand })?;
     let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut interrupts = Some(Interrupts::catch()?);
     let mut live = Live::open(asked, quiet)?;
-    let mut said = format!("{name} is loaded; start starts it");
-    let shown = json!({ "program": { "name": name, "text": intake::text(&program, MOST_TEXT).ok() } });
-    live.stands(shown.as_object().cloned().unwrap_or_default());
+    let hint =
+        if loaded { format!("{name} is loaded; start starts it") } else { "by-hand switches it on".into() };
+    let mut said = hint.clone();
+    if loaded {
+        let shown = json!({ "program": { "name": name, "text": intake::text(&program, MOST_TEXT).ok() } });
+        live.stands(shown.as_object().cloned().unwrap_or_default());
+    }
     loop {
-        let ready = json!({ "state": "ready", "words": said });
+        let ready = json!({ "state": "ready", "mode": "off", "words": said });
         live.stands(ready.as_object().cloned().unwrap_or_default());
-        while !live.is_started() {
+        let wish = loop {
+            if let Some(wish) = live.wish(loaded) {
+                break wish;
+            }
             if interrupts.as_mut().is_some_and(Interrupts::is_wished) {
                 return Ok(ExitCode::SUCCESS);
             }
             sleep_until(Moment::now().after(IDLE));
-        }
-        let begun = Prepared::of(asked, quiet, &mut interrupts);
+        };
+        let wanted = if wish == mode::Press::Hand { &by_hand } else { asked };
+        let begun = Prepared::of(wanted, quiet, &mut interrupts);
         let ended = begun.and_then(|prepared| prepared.go(quiet, &mut interrupts, Some(&mut live)));
         said = match ended {
-            Ok(_) => "start starts it again".into(),
+            Ok(_) => hint.clone(),
             Err(error) => {
                 words::say(&format!("error: {error}\n"));
                 format!("it was not run: {error}")
             }
         };
         interrupts.iter_mut().for_each(Interrupts::forget);
+    }
+}
+
+/// The program of work by hand before anything is given: it waits. It lies in a folder of its own, which goes
+/// with it.
+struct Empty {
+    path: PathBuf,
+}
+
+impl Empty {
+    fn new(asked: &RunArgs) -> Result<Empty, CliError> {
+        let (machine, _) = asked.machine.read()?;
+        let folder = std::env::temp_dir().join(format!("pitchlock-by-hand-{}", std::process::id()));
+        let path = folder.join(args::BY_HAND);
+        let failed =
+            |error: &dyn std::fmt::Display| CliError::Machine(format!("{}: {error}", path.display()));
+        std::fs::DirBuilder::new().mode(0o700).create(&folder).map_err(|error| failed(&error))?;
+        let items = vec![hand::BEGINS, Item { line: 0, code: Code::End }];
+        let file = CodeFile::new(args::BY_HAND, &machine.identity(), items);
+        let mut bytes = Vec::new();
+        file.write(&mut bytes).map_err(|error| failed(&error))?;
+        std::fs::write(&path, bytes).map_err(|error| failed(&error))?;
+        Ok(Empty { path })
+    }
+}
+
+impl Drop for Empty {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+        self.path.parent().into_iter().for_each(|folder| {
+            let _ = std::fs::remove_dir(folder);
+        });
     }
 }
 

@@ -4,7 +4,7 @@
 
 use ::panel::Point;
 use machine::Machine;
-use protocol::{Arc, Axis, Code, Item, PerAxis, Position};
+use protocol::{Arc, Axis, ByHand, Code, Item, PerAxis, Position};
 
 /// Items of machine code that are looked at; of what is behind them nothing is foretold.
 const MOST_ITEMS: usize = 50_000;
@@ -123,6 +123,7 @@ fn end(item: &Item, at: &PerAxis<Position>) -> PerAxis<Position> {
     match &item.code {
         Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => *target,
         Code::Pass(pass) => std::array::from_fn(|axis| pass.axes[axis].end),
+        Code::ByHand(ByHand::Begins { at, .. }) => *at,
         _ => *at,
     }
 }

@@ -27,9 +27,16 @@ pub(crate) struct Session {
     sent: VecDeque<(Request, Who)>,
     /// The cycle in whose measurement each was first seen, and what it was.
     pressed: Vec<(u64, Request)>,
+    /// Blocks by hand, in their order.
+    blocks: Vec<String>,
 }
 
 impl Session {
+    /// A block by hand was given, and a request for it follows.
+    pub(crate) fn gives(&mut self, text: String) {
+        self.blocks.push(text);
+    }
+
     /// A request was sent to the plant.
     pub(crate) fn sent(&mut self, request: Request, who: Who) {
         self.sent.push_back((request, who));
@@ -55,6 +62,11 @@ impl Session {
         self.sent.drain(..).filter_map(of_panel).collect()
     }
 
+    /// Whether there is no room for another press: from here on the session cannot be repeated.
+    pub(crate) fn is_full(&self) -> bool {
+        self.pressed.len() >= MOST
+    }
+
     /// How many wait for the plant.
     pub(crate) fn waiting(&self) -> usize {
         self.sent.len()
@@ -63,7 +75,19 @@ impl Session {
     /// What was pressed as events of a scenario; nothing if nothing was.
     pub(crate) fn events(&self) -> Option<String> {
         let mut text = String::new();
+        if self.is_full() {
+            let _ = writeln!(
+                text,
+                "# More than {MOST} presses: what came later is not here, and this is no repetition.\n"
+            );
+        }
+        let mut blocks = self.blocks.iter();
         for (cycle, request) in &self.pressed {
+            if *request == Request::Block {
+                blocks.next().into_iter().for_each(|block| {
+                    let _ = writeln!(text, "# {}", block.replace(|letter: char| letter.is_control(), " "));
+                });
+            }
             let _ = writeln!(text, "[[event]]\nat = {{ cycle = {cycle} }}\n{}\n", action(*request));
         }
         (!text.is_empty()).then_some(text)
@@ -82,6 +106,8 @@ fn action(request: Request) -> String {
         Request::SingleBlock(on) => format!("single_block = {on}"),
         Request::Abort => "abort = true".into(),
         Request::EmergencyStop => "emergency_stop = true".into(),
+        Request::Jog(on) => format!("jog = {on}"),
+        Request::Block => "block = true".into(),
     }
 }
 
@@ -108,6 +134,9 @@ mod tests {
             Request::SingleBlock(false),
             Request::Abort,
             Request::EmergencyStop,
+            Request::Jog(true),
+            Request::Jog(false),
+            Request::Block,
         ];
         for alone in all {
             let mut session = Session::default();
@@ -135,5 +164,21 @@ mod tests {
         assert_eq!((session.lost(), session.waiting()), (vec![9], 0));
         let text = session.events().expect("something was pressed");
         assert_eq!(text, "[[event]]\nat = { cycle = 11 }\ncycle_start = true\n\n");
+    }
+
+    /// There is an end to what is kept, and it is said.
+    #[test]
+    fn a_session_that_is_too_long_says_so() {
+        let mut session = Session::default();
+        for cycle in 0..MOST as u64 {
+            assert!(!session.is_full());
+            session.sent(Request::FeedHold, Who::Panel(cycle));
+            session.taken(cycle, Request::FeedHold);
+        }
+        assert!(session.is_full());
+        session.sent(Request::Stop, Who::Panel(1));
+        assert_eq!(session.taken(1 << 40, Request::Stop), Some(Who::Panel(1)), "it is done all the same");
+        let text = session.events().expect("something was pressed");
+        assert!(text.starts_with("# More than 524288 presses") && !text.contains("stop = true"));
     }
 }

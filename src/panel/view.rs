@@ -200,6 +200,7 @@ fn words(record: &Record) -> (&'static str, String) {
         MachineState::Waiting => said("waiting", format!("waits for the spindle, or dwells, line {line}")),
         MachineState::Threading => said("threading", format!("{}, line {line}", in_words(axes, pass))),
         MachineState::Paused => said("paused", format!("line {line} is a pause: start goes on")),
+        MachineState::ByHand => said("by-hand", "ready: jog, or give a block".into()),
         MachineState::Ended => said("ended", "the program is over".into()),
         MachineState::Fault => said("fault", "fault".into()),
     }

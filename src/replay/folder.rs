@@ -161,6 +161,7 @@ pub(super) fn of_folder(dir: &Path) -> RunArgs {
         with_panel: false,
         panel: PanelArgs::default(),
         presses: None,
+        by_hand: false,
         in_process: false,
         scenario: None,
         single_block: false,

@@ -84,6 +84,9 @@ pub(crate) struct RunArgs {
     /// What somebody has pressed in the run that is repeated.
     #[arg(skip)]
     pub(crate) presses: Option<PathBuf>,
+    /// Its machine code is given by hand, block by block.
+    #[arg(skip)]
+    pub(crate) by_hand: bool,
     /// If nothing has happened for so long, the process that all others wait for is taken for dead; 0 waits
     /// for ever (for debuggers).
     #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]

@@ -2,7 +2,7 @@
 
 use std::{
     os::unix::process::{CommandExt as _, ExitStatusExt as _},
-    process::{Child, Command, ExitStatus, Stdio},
+    process::{Child, ChildStdin, Command, ExitStatus, Stdio},
 };
 
 use process::{
@@ -40,10 +40,15 @@ impl Started {
     pub(crate) fn start(setup: &Setup, address: &str, process: Process) -> Result<Started, CliError> {
         let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
         let mut command = Command::new(this);
-        command.stdin(Stdio::null()).stdout(Stdio::null()).process_group(0);
+        let by_hand = setup.by_hand && process == Process::Interpreter;
+        command
+            .stdin(if by_hand { Stdio::piped() } else { Stdio::null() })
+            .stdout(Stdio::null())
+            .process_group(0);
         match process {
             Process::Interpreter => {
-                command.arg("interpreter").arg(&setup.folder.program).args(setup.folder.language_args())
+                command.arg("interpreter").arg(&setup.folder.program).args(setup.folder.language_args());
+                if by_hand { command.arg("--by-hand") } else { &mut command }
             }
             Process::Interpolator => command.arg("interpolator"),
             Process::Plant => {
@@ -72,6 +77,11 @@ impl Started {
             .spawn()
             .map_err(|error| CliError::Machine(format!("cannot start {}: {error}", process.name())))?;
         Ok(Started { process, child, exit: None })
+    }
+
+    /// Where it takes machine code by hand, if it does.
+    pub(crate) fn takes_by_hand(&mut self) -> Option<ChildStdin> {
+        self.child.stdin.take()
     }
 
     /// Number of the process.

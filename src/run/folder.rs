@@ -7,7 +7,9 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use interpreter::Language;
+use machine::Machine;
 use process::shell::LanguageArgs;
+use protocol::{Item, code_file::CodeFile};
 use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
@@ -145,6 +147,22 @@ impl RunFolder {
             stamp: seen.0[0],
             _claim: claim,
         })
+    }
+
+    /// The program of work by hand is what came of it: the run can be made again.
+    pub(crate) fn holds_what_was_given(
+        &mut self,
+        items: Vec<Item>,
+        machine: &Machine,
+    ) -> Result<(), CliError> {
+        let (path, name) = (&self.program, self.program.file_name().unwrap_or_default().to_string_lossy());
+        let mut bytes = Vec::new();
+        let file = CodeFile::new(&name, &machine.identity(), items);
+        file.write(&mut bytes).map_err(|error| CliError::file(path, error))?;
+        intake::replace(path, &bytes).map_err(|error| CliError::file(path, error))?;
+        let hash = rig::hash::hex_of_file(path).map_err(|error| CliError::file(path, error))?;
+        self.hashes.insert(name.into_owned(), hash);
+        Ok(())
     }
 
     /// Whether the program is what it was when the run began.

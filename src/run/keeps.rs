@@ -6,7 +6,7 @@
 
 use std::path::PathBuf;
 
-use gcode::files::Changes;
+use gcode::{Outlasting, files::Changes};
 use machine::Machine;
 use process::shell::LanguageArgs;
 use rig::observe::Outcome;
@@ -40,6 +40,11 @@ impl Keeps {
         if outcome != Outcome::Completed {
             return Ok(());
         }
+        self.what_was_set(left)
+    }
+
+    /// Writes what was set by hand, however that ended.
+    pub(super) fn what_was_set(&self, left: &Outlasting) -> Result<(), CliError> {
         let mut changes = Changes::default();
         claim(&mut changes, &self.parameters)?;
         changes.parameters(&self.parameters, &left.changed, &left.parameters).map_err(wrong)?;

@@ -6,6 +6,7 @@ mod children;
 pub(crate) mod claim;
 mod endings;
 pub(crate) mod folder;
+mod gives;
 mod in_process;
 pub(crate) mod interrupts;
 mod journal;
@@ -14,6 +15,7 @@ pub(crate) mod moment;
 mod processes;
 mod progress;
 mod recorder;
+mod rendezvous;
 mod resumed;
 mod scenario;
 mod summed;
@@ -74,6 +76,8 @@ pub(crate) struct Setup {
     pub(crate) fell: Vec<Fell>,
     /// The run that it goes on with.
     pub(crate) resumed: Option<Resumed>,
+    /// Its machine code is given by hand, and the program is what came of that.
+    pub(crate) by_hand: bool,
 }
 
 impl Setup {
@@ -203,6 +207,7 @@ impl Prepared {
             progress: !quiet && !args.json,
             quiet,
             watchdog_s: args.watchdog_s,
+            by_hand: args.by_hand,
             fell: args.fell,
             resumed,
         };
@@ -218,17 +223,23 @@ impl Prepared {
         interrupts: &mut Option<Interrupts>,
         mut live: Option<&mut Live>,
     ) -> Result<ExitCode, CliError> {
-        let Prepared { setup, keeps, in_process, json } = self;
+        let Prepared { mut setup, keeps, in_process, json } = self;
         let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
-        live.iter_mut().for_each(|live| live.prepared(&setup));
+        live.as_mut().map_or(Ok(()), |live| live.prepared(&setup))?;
         let (mut summary, unrecorded) = if in_process {
             in_process::run(&setup, caught)?
         } else {
             processes::run(&setup, caught, live.as_deref_mut())?
         };
+        let given = live.as_mut().and_then(|live| live.given());
+        if let Some((items, outlasting)) = given {
+            setup.folder.holds_what_was_given(items, &setup.machine)?;
+            let kept = keeps.as_ref().map(|keeps| keeps.what_was_set(&outlasting)).transpose();
+            kept.map(drop).unwrap_or_else(|error| words::say(&format!("error: {error}\n")));
+        }
         summary.files.clone_from(&setup.folder.hashes);
         summary.program_warnings = setup.program.warnings();
-        if !setup.folder.is_as_it_was() {
+        if !setup.by_hand && !setup.folder.is_as_it_was() {
             endings::program_changed(&mut summary);
         }
         // Whatever cannot be written: what became of the run is said.

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use process::{
-    ipc::{ChannelCount, NameSpace, Process, child::is_stopped, time::Moment, total},
-    shell::{Clock, START_S},
+    ipc::{ChannelCount, NameSpace, Process, time::Moment, total},
+    shell::Clock,
 };
 use protocol::{Doom, operator::Request};
 use rig::{
@@ -18,13 +18,15 @@ use super::{
     channels::Channels,
     children::Started,
     endings::{Death, Endings},
+    gives::Gives,
     interrupts::{Interrupts, Wish},
     recorder::{Recorded, Recorder, axes},
+    rendezvous::rendezvous,
     watchdog::{Hunger, Watchdog},
 };
 use crate::{
     error::CliError,
-    panel::{Live, Who},
+    panel::{Live, Who, hand},
 };
 
 /// How long the launcher sleeps when nobody wakes it.
@@ -48,6 +50,8 @@ pub(crate) fn run(
         started.push(Started::start(setup, &space.address(), process)?);
     }
     rendezvous(&mut space, &channels, &mut started, interrupts, setup.watchdog_s)?;
+    let mut by_hand = started.iter_mut().find_map(Started::takes_by_hand).map(Gives::new);
+    by_hand.iter_mut().for_each(|gives| gives.give(&[hand::BEGINS]));
     let recorder = Recorder::new(setup, false)?;
     let begun = Moment::now();
     space.start()?;
@@ -67,6 +71,7 @@ pub(crate) fn run(
         interrupts,
         recorder,
         live,
+        by_hand,
     };
     launch.run()?;
     let counts = launch.end()?;
@@ -86,60 +91,13 @@ pub(crate) fn complete(mut summary: Summary, setup: &Setup, begun: Moment) -> Su
     summary
 }
 
-/// Waits until every process has connected all its ports.
-fn rendezvous(
-    space: &mut NameSpace,
-    channels: &Channels,
-    started: &mut [Started],
-    interrupts: &mut Interrupts,
-    watchdog_s: f64,
-) -> Result<(), CliError> {
-    let deadline = Moment::in_s(START_S);
-    let (mut stopped, mut looked) = (Watchdog::new(watchdog_s), Moment::now());
-    loop {
-        let missing = space.missing(&channels.ports())?;
-        if missing.is_empty() {
-            return Ok(());
-        }
-        if looked.passed() {
-            looked = Moment::in_s(0.1);
-            match started.iter().find(|one| is_stopped(one.pid())) {
-                None => stopped.calm(),
-                Some(one) if stopped.is_over() => {
-                    let text = "is stopped, and did not answer while the machine was starting";
-                    return Err(CliError::Machine(format!("{} {text}", one.process.name())));
-                }
-                Some(_) => {}
-            }
-        }
-        for one in started.iter_mut() {
-            if one.has_ended()? {
-                return Err(CliError::Machine(format!(
-                    "{} {} while the machine was starting",
-                    one.process.name(),
-                    one.ending()
-                )));
-            }
-        }
-        if interrupts.wish() != Wish::None {
-            return Err(CliError::Machine("interrupted while the machine was starting".into()));
-        }
-        if deadline.passed() {
-            let names: Vec<_> = missing.into_iter().map(Process::name).collect();
-            return Err(CliError::Machine(format!(
-                "{} did not connect within {START_S} s; run `pitchlock doctor`",
-                names.join(", ")
-            )));
-        }
-        process::ipc::time::sleep_until(Moment::in_s(0.001));
-    }
-}
-
 /// A machine that runs.
 struct Launch<'a> {
     setup: &'a Setup,
     recorder: Recorder,
     live: Option<&'a mut Live>,
+    /// Where machine code by hand goes.
+    by_hand: Option<Gives>,
     channels: Channels,
     // Behind the channels, which are ports in it.
     started: Vec<Started>,
@@ -230,7 +188,10 @@ impl Launch<'_> {
 
     /// Takes what was pressed at the panel.
     fn look_at_the_panel(&mut self) -> Result<(), CliError> {
-        let pressed = self.live.as_mut().map(|live| live.presses()).unwrap_or_default();
+        let (given, pressed) = self.live.as_mut().map(|live| live.presses()).unwrap_or_default();
+        if let Some(gives) = &mut self.by_hand {
+            gives.give(&given);
+        }
         pressed.into_iter().try_for_each(|request| self.ask(Some(request), None))
     }
 
@@ -342,6 +303,8 @@ impl Launch<'_> {
 
     /// Lets everybody finish and go; whoever does not is ended.
     fn end(&mut self) -> Result<Vec<observe::Channel>, CliError> {
+        // An interpreter that waits for machine code by hand gets no more.
+        self.by_hand = None;
         self.watchdog.calm();
         while self.wish != Wish::End && self.someone_is_busy()? {
             self.recorder_is_fed()?;

@@ -7,6 +7,7 @@
 //! text ─ line ─► reader of the dialect ─ block ─► execute ─ calls ─► sink
 //! ```
 
+mod by_hand;
 mod findings;
 mod outlasting;
 mod reader;

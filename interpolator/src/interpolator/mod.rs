@@ -4,6 +4,7 @@
 use std::mem::discriminant;
 
 mod answer;
+mod by_hand;
 mod passes;
 mod standing;
 mod supervise;
@@ -18,6 +19,7 @@ use protocol::{
 use crate::{
     axes::{Axes, Heard},
     guard::Guard,
+    hand::{Hand, Jog},
     interpolator::standing::Standing,
     pass::{self, Look},
     patience::Patience,
@@ -83,6 +85,8 @@ pub struct Interpolator {
     pub(crate) second: Option<Fault>,
     /// Number and depth of the pass in hand, or of the one before.
     pub(crate) pass: (u32, f64),
+    /// Blocks by hand.
+    hand: Hand,
 }
 
 impl Interpolator {
@@ -107,6 +111,7 @@ impl Interpolator {
             opened: false,
             second: None,
             pass: (0, 0.0),
+            hand: Hand::default(),
         }
     }
 
@@ -180,6 +185,7 @@ impl Interpolator {
         self.panel = measurement.panel;
         self.inputs = measurement.inputs;
         self.panel.buttons |= ended;
+        self.hand.look(&self.panel);
         self.heard.take(&self.machine, input.axes, measurement.cycle);
         let leaves = matches!(self.task, Task::Leaving { .. });
         self.vary(leaves);
@@ -205,7 +211,7 @@ impl Interpolator {
 
     /// Goes one step, and does what belongs to it.
     fn step(&mut self, event: &Event) -> Order {
-        let over = self.task.is_over();
+        let (over, by_hand) = (self.task.is_over(), self.task == Task::ByHand);
         if let Event::Fault(trouble) = event {
             self.heard.accuse(trouble);
         }
@@ -215,6 +221,10 @@ impl Interpolator {
         let order = self.task.step(event);
         match (&order, event) {
             (Order::Arm(arm), _) => self.pass = (arm.pass.pass, arm.pass.depth_mm),
+            (_, Event::Over(_)) if by_hand && self.hand.is_given(&self.panel) => {
+                self.hand.begins(&self.panel);
+                self.program.queue.ask();
+            }
             (_, Event::Begun) => self.program.outputs.begun(u64::MAX, Cycle(0)),
             (_, Event::Cut(_)) => {
                 self.program.outputs.begun(u64::MAX, Cycle(0));
@@ -256,6 +266,7 @@ impl Interpolator {
             Task::Paused { cycle_starts } if panel.cycle_starts != *cycle_starts || ends(panel) => {
                 Event::Over(Wait::No)
             }
+            Task::ByHand if self.hand.is_given(panel) || ends(panel) => Event::Over(Wait::No),
             task if task.pass().is_some() => {
                 let look = Look {
                     axes: &axes,
@@ -294,13 +305,6 @@ impl Interpolator {
         Event::Enabled
     }
 
-    /// Whether all rests behind the program: surely, if outputs change then.
-    fn is_at_rest(&self, stopped: bool) -> bool {
-        let outputs = self.program.outputs.are_safe() || self.stands();
-        let rests = self.spindle.stands() && (!stopped || self.led_to_rest());
-        rests && (outputs || self.patience.is_over(&self.spindle))
-    }
-
     /// Goes on to wait for an input. Under a feed hold no time passes.
     fn await_input(&self, wait: Await, cycle: Cycle) -> Event {
         let (panel, now) = (&self.panel, self.inputs >> wait.input & 1 == 1);
@@ -311,11 +315,6 @@ impl Interpolator {
             () if wait.left == 0 => Event::refused(Fault::InputTimedOut, cycle),
             () => Event::Awaits(Await { before: now, left, ..wait }),
         }
-    }
-
-    /// Whether the axes have reached their last setpoint, which lay ahead when they were told to rest.
-    fn led_to_rest(&self) -> bool {
-        self.patience.waited() > SETPOINT_LEAD
     }
 
     /// At rest: begins what is next.
@@ -334,6 +333,10 @@ impl Interpolator {
                 Next::Impossible => Event::refused(Fault::BadMachineCode, cycle),
                 Next::Held => {
                     self.patience.begin();
+                    Event::Waits(Wait::No)
+                }
+                Next::Move(_) if self.hand.jog == Jog::LetGo => {
+                    self.program.queue.done();
                     Event::Waits(Wait::No)
                 }
                 Next::Move(feed) if !self.spindle.lets(feed) => Event::Waits(Wait::No),
@@ -355,6 +358,7 @@ impl Interpolator {
                     Event::Awaits(Await { input, until, before, left })
                 }
                 Next::Pause => Event::Pauses(panel.cycle_starts),
+                Next::ByHand(by_hand) => self.by_hand(by_hand, cycle),
                 Next::End => Event::Ends(false),
             }
         };
@@ -375,7 +379,7 @@ impl Interpolator {
         if panel.pressed(Panel::ABORT) {
             self.program.switch_off(&mut self.spindle);
         }
-        let hands = Hands { panel, spindle: &self.spindle, wait, stops, back };
+        let hands = Hands { panel, spindle: &self.spindle, wait, stops, back, jog: self.hand.jog };
         let mut left = ticks;
         loop {
             left -= 1;

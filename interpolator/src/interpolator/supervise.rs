@@ -166,6 +166,18 @@ impl Interpolator {
         }
     }
 
+    /// Whether all rests behind the program: surely, if outputs change then.
+    pub(crate) fn is_at_rest(&self, stopped: bool) -> bool {
+        let outputs = self.program.outputs.are_safe() || self.stands();
+        let rests = self.spindle.stands() && (!stopped || self.led_to_rest());
+        rests && (outputs || self.patience.is_over(&self.spindle))
+    }
+
+    /// Whether the axes have reached their last setpoint, which lay ahead when they were told to rest.
+    pub(crate) fn led_to_rest(&self) -> bool {
+        self.patience.waited() > SETPOINT_LEAD
+    }
+
     /// Whether everything is at rest and the machine may be switched off. After a fault nobody waits for ever
     /// for an axis or a spindle that does not come to rest.
     pub fn finished(&self) -> bool {

@@ -131,6 +131,8 @@ pub(crate) enum Event {
     Awaits(Await),
     /// The program pauses; cycle start had been pressed so often.
     Pauses(u32),
+    /// The next block by hand is wanted.
+    ByHand,
     /// A dwell, a wait for an input or a pause is over.
     Over(Wait),
     /// One tick of timed motion.

@@ -13,7 +13,9 @@
 //! | Moving | the axes stand, and the operator ends the program | Ending | stream |
 //! | Moving | the axes stand at the end of the chain | Ready, or Returning to a pass | stream |
 //! | Awaiting | the input is not what is waited for | Awaiting | stream |
-//! | Dwelling, Awaiting, Paused | over, or the operator ends the program | Ready | stream |
+//! | Ready | the next block by hand is wanted | ByHand | stream |
+//! | Moving | the jog key was let go, and the axes stand | Ready | stream |
+//! | Dwelling, Awaiting, Paused, ByHand | over, or the operator ends the program | Ready | stream |
 //! | Arming | every axis is armed two ticks later | Armed | hold |
 //! | Arming | one is not: a fault | Leaving for it | **call off**; **leave** once an axis moves |
 //! | Armed | the operator holds or ends the program | CallingOff | **call off** |
@@ -85,6 +87,8 @@ pub(crate) enum Task {
         /// How often it had been pressed before.
         cycle_starts: u32,
     },
+    /// Waits for the next block by hand.
+    ByHand,
     /// A pass was sent at tick `sent`.
     Arming {
         /// The pass.
@@ -176,6 +180,7 @@ impl Task {
             (Task::Ready { .. }, Event::Awaits(input)) => Task::Awaiting(*input),
             (Task::Awaiting(before), Event::Awaits(input)) if before != input => Task::Awaiting(*input),
             (Task::Ready { .. }, Event::Pauses(cycle_starts)) => Task::Paused { cycle_starts: *cycle_starts },
+            (Task::Ready { .. }, Event::ByHand) => Task::ByHand,
             (Task::Ready { .. }, Event::Pass(pass, sent)) => Task::Arming { pass: *pass, sent: *sent },
             (Task::Ready { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
             (Task::Ready { .. } | Task::Returning { .. }, Event::Moved(moved)) => moved.task(None),
@@ -185,9 +190,10 @@ impl Task {
                 return (!as_before).then(|| moved.task(*fault));
             }
             (Task::Dwelling { left }, Event::Nothing) => Task::Dwelling { left: left.saturating_sub(1) },
-            (Task::Dwelling { .. } | Task::Awaiting(_) | Task::Paused { .. }, Event::Over(wait)) => {
-                Task::Ready { wait: *wait }
-            }
+            (
+                Task::Dwelling { .. } | Task::Awaiting(_) | Task::Paused { .. } | Task::ByHand,
+                Event::Over(wait),
+            ) => Task::Ready { wait: *wait },
             (Task::Arming { pass, .. }, Event::Armed) => Task::Armed(*pass),
             (Task::Armed(pass), Event::TakenBack(sent)) => Task::CallingOff { pass: *pass, sent: *sent },
             (Task::Armed(pass) | Task::CallingOff { pass, .. }, Event::Begun) => Task::Cutting(*pass),
@@ -272,6 +278,7 @@ impl Task {
             Task::Ready { .. } | Task::Moving { .. } | Task::Paused { .. } | Task::Returning { .. } => {
                 MachineState::Paused
             }
+            Task::ByHand => MachineState::ByHand,
             Task::Dwelling { .. } | Task::Awaiting(_) | Task::Ending { .. } => MachineState::Waiting,
             Task::Arming { .. }
             | Task::Armed(_)

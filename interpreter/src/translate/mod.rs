@@ -5,6 +5,7 @@
 
 mod doubts;
 mod gauged;
+mod hand;
 mod insert;
 mod jobs;
 mod part;

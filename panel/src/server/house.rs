@@ -115,9 +115,9 @@ impl House {
                 self.holds_the_seat(&name)?;
                 self.seat(None);
             }
-            Asked::Press { kind, value } => {
+            Asked::Press(press) => {
                 self.holds_the_seat(&name)?;
-                return self.pass_on(kind, value).await;
+                return self.pass_on(press).await;
             }
         }
         Ok(self.cycle())
@@ -141,7 +141,7 @@ impl House {
     }
 
     /// The launcher passes it on to the machine, which says in which cycle.
-    async fn pass_on(&self, kind: u32, value: f64) -> Result<u64, Refusal> {
+    async fn pass_on(&self, press: FromPanel) -> Result<u64, Refusal> {
         let (ticket, answer) = {
             let (send, answer) = oneshot::channel();
             let mut waiting = locked(&self.waiting);
@@ -150,7 +150,7 @@ impl House {
             waiting.1.insert(ticket, send);
             (ticket, answer)
         };
-        let sent = self.press.try_send(FromPanel { ticket, kind, value });
+        let sent = self.press.try_send(FromPanel { ticket, ..press });
         let answer = match sent {
             Ok(()) => timeout(ANSWER_TIME, answer).await,
             Err(_) => {
@@ -176,7 +176,7 @@ impl House {
 
 /// The codes that launchers refuse by.
 fn known(code: &str) -> &'static str {
-    const CODES: [&str; 2] = ["not-running", "too-many"];
+    const CODES: [&str; 5] = ["not-running", "too-many", "not-now", "bad-value", "bad-block"];
     CODES.into_iter().find(|known| *known == code).unwrap_or("refused")
 }
 

@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use protocol::{
-    Arc, Axis, AxisLaw, Code, Feed, Item, PathMode, Plane, Position, Refused, Set, Shape, SpindleMode,
-    SpindleSpeed, ThreadPass, Until, Variation, VariationShape, Work,
+    Arc, Axis, AxisLaw, ByHand, Code, Feed, Item, PathMode, PerAxis, Plane, Position, Refused, Set, Shape,
+    SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, VariationShape, Work,
     code_file::{CodeFile, CodeFileError, CodeReader, Identity},
 };
 use shape::{
@@ -147,6 +147,8 @@ fn any_item() -> impl Strategy<Value = Item> {
             within_s
         }),
         Just(Code::Pause),
+        Just(Code::ByHand(ByHand::Waits)),
+        any::<bool>().prop_map(|jogs| Code::ByHand(ByHand::Begins { at: PerAxis::default(), jogs })),
         (0.001..0.5, 0.25..1000.0).prop_map(|(share, revolutions)| {
             Code::Variation(Some(Variation { shape: VariationShape::Random, share, revolutions }))
         }),

@@ -28,6 +28,8 @@ pub(super) struct RawEvent {
     emergency_stop: Option<bool>,
     power_lost: Option<bool>,
     single_block: Option<bool>,
+    jog: Option<bool>,
+    block: Option<bool>,
     spindle_load: Option<RawLoad>,
     axial_force_n: Option<RawForce>,
     radial_force_n: Option<RawForce>,
@@ -94,6 +96,7 @@ impl RawEvent {
             ("feed_hold", self.feed_hold, Action::Press(Request::FeedHold), "cycle_start releases a hold"),
             ("cycle_start", self.cycle_start, Action::Press(Request::CycleStart), "it releases itself"),
             ("stop", self.stop, Action::Press(Request::Stop), "it stays pressed"),
+            ("block", self.block, Action::Press(Request::Block), "each begins one block by hand"),
             ("abort", self.abort, Action::Press(Request::Abort), "it stays pressed"),
             (
                 "emergency_stop",
@@ -113,6 +116,7 @@ impl RawEvent {
             }
         }
         actions.extend(self.single_block.map(|on| Action::Press(Request::SingleBlock(on))));
+        actions.extend(self.jog.map(|on| Action::Press(Request::Jog(on))));
         Ok(actions)
     }
 

@@ -19,6 +19,8 @@
 //! | `rapid_override_pct` | 0 to 100; the same |
 //! | `feed_hold`, `cycle_start`, `stop`, `abort` | `true`; a button is pressed, `cycle_start` releases the hold and ends a pause |
 //! | `single_block` | `true`, `false`; the switch is turned on or off |
+//! | `jog` | `true`: the jog key is pressed, and let go when it is not pressed again within 0.08 s; `false`: let go |
+//! | `block` | `true`: the next block by hand is there |
 //! | `spindle_load` | `{ torque_nm, for_s }`: holds the spindle back; or `{ nm_per_rpm, for_s }`: so much for each 1/min at that moment |
 //! | `axial_force_n`, `radial_force_n` | N on the slide of Z, X, positive along the axis; or `{ force_n, for_s }` |
 //! | `force_spike` | `{ axis, force_n, for_s }`: N on a slide, at once and for so long |

@@ -121,6 +121,7 @@ impl Program<'_> {
             Code::Coolant { mist, flood } => self.lines.coolant(*mist, *flood),
             Code::Output { number, set, in_step } => self.lines.output(*number, *set, *in_step),
             Code::Await { input, until, within_s } => self.lines.wait(*input, *until, *within_s),
+            Code::ByHand(_) => return Err(refuse("work by hand is no program of lines".into())),
             Code::Pause => self.lines.put("M0"),
             Code::End => self.lines.put("M2"),
         }

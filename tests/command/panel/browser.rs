@@ -189,3 +189,48 @@ fn a_browser_shows_the_machine_and_presses() {
     browser.value(refused);
     until("it is refused", || browser.value("window.seen") == 405);
 }
+
+/// Work by hand from the page alone: switched on, a block, a jog as long as its key is pressed, touched off.
+#[test]
+fn a_browser_works_by_hand() {
+    let place = Place::new();
+    let panel = Panel::start(&place, &["panel", "--trace", "none", "--out", "session"]);
+    let url = format!("http://{}/#{}", panel.address, panel.token);
+    let Some(mut browser) = Browser::open(&place, &url, 1280) else { return };
+    browser.until_text("link", "live");
+    browser.click("#take");
+    browser.until_text("seat", "You hold the keys");
+    browser.until_text("mode", "off");
+    browser.click("#hand-on");
+    browser.until_text("mode", "ready");
+    let z = |panel: &Panel| panel.state()["axes"][1]["commanded_mm"].as_f64().expect("a place");
+    let begun = z(&panel);
+    browser.value("document.getElementById('block').value = 'G91 G7 G0 Z-20'");
+    browser.click("#mdi button");
+    until("the block is done", || (z(&panel) - begun + 20.0).abs() < 1e-6);
+    browser.until_text("force", "G91");
+    browser.until_text("mode", "ready");
+    browser.value("document.getElementById('block').value = 'G1 Z-1 F0'");
+    browser.click("#mdi button");
+    browser.until_text("said", "feed");
+    // A key that is held down: Z goes; let go, it stands.
+    browser.value("document.getElementById('step').value = ''");
+    browser.value("document.getElementById('jog-Z-minus').dispatchEvent(new PointerEvent('pointerdown'))");
+    until("Z goes", || z(&panel) < begun - 21.0);
+    browser.picture("panel-jog");
+    browser.value("document.getElementById('jog-Z-minus').dispatchEvent(new PointerEvent('pointerup'))");
+    browser.until_text("mode", "ready");
+    let stands = z(&panel);
+    assert!(stands < begun - 21.0);
+    browser.value("document.getElementById('touch-axis').value = 'Z'");
+    browser.value("document.getElementById('touch-value').value = '2.5'");
+    browser.click("#touch button");
+    until("zero lies there", || {
+        let state = panel.state();
+        state["origin_mm"][1].as_f64().is_some_and(|zero| (zero - (stands - 2.5)).abs() < 1e-6)
+    });
+    browser.until_text("mode", "ready");
+    browser.click("[data-do=abort]");
+    browser.until_text("mode", "off");
+    assert!(place.at("session/by-hand.mc").is_file());
+}

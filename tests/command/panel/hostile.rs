@@ -313,7 +313,19 @@ fn words_and_values_that_mean_nothing_are_refused_by_name() {
     let mut socket = panel.socket();
     for (document, code) in [
         (json!({ "id": 1, "do": "format", "as": "me" }), "unknown"),
-        (json!({ "id": 1, "do": "jog", "as": "me", "value": 5 }), "not-there-yet"),
+        (json!({ "id": 1, "do": "home", "as": "me" }), "not-there-yet"),
+        (json!({ "id": 1, "do": "jog", "as": "me", "value": 5 }), "bad-value"),
+        (
+            json!({ "id": 1, "do": "jog", "as": "me", "value": { "axis": "X", "mm_min": 1, "way": "up" } }),
+            "bad-value",
+        ),
+        (json!({ "id": 1, "do": "mdi", "as": "me", "value": "G".repeat(600) }), "bad-value"),
+        (json!({ "id": 1, "do": "mdi", "as": "me", "value": " " }), "bad-value"),
+        (
+            json!({ "id": 1, "do": "touch-off", "as": "me", "value": { "axis": "X", "value": 1e9 } }),
+            "bad-value",
+        ),
+        (json!({ "id": 1, "do": "spindle", "as": "me", "value": "fast" }), "bad-value"),
         (json!({ "id": 1, "do": "feed-override", "as": "me", "value": "60" }), "bad-value"),
         (json!({ "id": 1, "do": "feed-override", "as": "me", "value": 1e300 }), "bad-value"),
         (json!({ "id": 1, "do": "hold", "as": "me", "value": true }), "bad-value"),

@@ -22,7 +22,7 @@ fn ended(panel: Panel) -> (Option<i32>, Summary) {
 }
 
 /// The run folder repeated over processes and in one, without anybody at the panel: the same; and replayed.
-fn is_repeated(place: &Place, out: &str, first: &Summary) {
+pub(super) fn is_repeated(place: &Place, out: &str, first: &Summary) {
     for more in [&["--trace", "none"][..], &["--trace", "none", "--in-process"]] {
         let mut command = place.pitchlock();
         place.clear("again");

@@ -1,0 +1,169 @@
+//! Blocks that somebody gives by hand, one by one. In: the text of a block, and where the axes rest: whoever
+//! jogs moves them without a block. Out: its machine code, behind where it begins and up to where the next one
+//! is waited for; or what is wrong with it, and then nothing has changed.
+//!
+//! ```
+//! use interpreter::{ByHand, Language};
+//! use machine::Machine;
+//!
+//! let machine = Machine::default();
+//! let mut hand = ByHand::new(&Language::default(), &machine).expect("nothing is beside it");
+//! let home = machine.home();
+//! assert!(hand.block("G1 Z-1", &home).is_err(), "without a feed");
+//! let items = hand.block("G91 G1 Z-1 F100", &home).expect("it is right");
+//! assert_eq!(items.len(), 3, "it begins, goes 1 mm, and the next one is waited for");
+//! assert!(hand.in_force().contains("G91"));
+//! ```
+
+use gcode::{Diagnostic, Dialect, Options, Outlasting, Program};
+use machine::{Machine, ProgramDialect};
+use protocol::{Code, Item, PerAxis, Position};
+
+use crate::options::{OpenError, asked, named};
+use crate::{Interpreter, Language};
+
+/// Most items of machine code that a block may be: those of a cycle, not those of a program.
+const MOST_ITEMS: usize = 4096;
+
+/// What a text is blamed for that does not end a program: none of these does.
+const NO_END: &str = "no-program-end";
+
+/// Who reads them.
+pub struct ByHand {
+    machine: Machine,
+    options: Options,
+    interpreter: Interpreter,
+    /// What has been given so far, with where the axes rested: what is in force comes from it.
+    given: Vec<(String, PerAxis<Position>)>,
+}
+
+impl ByHand {
+    /// At a machine that has just been switched on, in the dialect of its file.
+    ///
+    /// # Errors
+    /// What is beside the machine (tools, parameters) cannot be read.
+    pub fn new(language: &Language, machine: &Machine) -> Result<ByHand, OpenError> {
+        let dialect = language.dialect.unwrap_or(machine.general.dialect);
+        let dialect = if dialect == ProgramDialect::Auto { None } else { named(dialect, machine) };
+        let options = asked(dialect.unwrap_or(Dialect::Linuxcnc), language, machine)?;
+        let interpreter = begun(&options, machine);
+        Ok(ByHand { machine: machine.clone(), options, interpreter, given: Vec::new() })
+    }
+
+    /// Reads a block, with the axes of the machine at rest here. `line` of its items is its number, from 1.
+    ///
+    /// # Errors
+    /// What is wrong with it; nothing has changed.
+    pub fn block(&mut self, text: &str, at: &PerAxis<Position>) -> Result<Vec<Item>, Vec<Diagnostic>> {
+        let items = self.interpreter.given(text, at, &self.options).map(|items| {
+            let begins = Code::ByHand(protocol::ByHand::Begins { at: *at, jogs: false });
+            std::iter::once(Item { line: 0, code: begins }).chain(items).collect::<Vec<_>>()
+        });
+        if items.is_ok() {
+            self.given.push((text.to_owned(), *at));
+        } else {
+            // What was read of it is in force already.
+            self.read_again();
+        }
+        let line = self.given.len() as u32;
+        items.map(|items| items.into_iter().map(|item| Item { line, ..item }).collect())
+    }
+
+    /// The last block is not to be made after all.
+    pub fn forget_last(&mut self) {
+        self.given.pop();
+        self.read_again();
+    }
+
+    /// Comes to what is in force by reading again what was given.
+    fn read_again(&mut self) {
+        self.interpreter = begun(&self.options, &self.machine);
+        for (text, at) in &self.given {
+            let again = self.interpreter.given(text, at, &self.options);
+            assert!(again.is_ok(), "it was right before");
+        }
+    }
+
+    /// How many blocks have been read.
+    pub fn blocks(&self) -> usize {
+        self.given.len()
+    }
+
+    /// What is in force, as words of a block.
+    pub fn in_force(&self) -> String {
+        self.interpreter.program.in_force()
+    }
+
+    /// Where zero of the program lies on the machine now.
+    pub fn origin(&self) -> PerAxis<Position> {
+        self.interpreter.translator.zero()
+    }
+
+    /// Number of the coordinate system in force, 1 (G54) to 9.
+    pub fn system(&self) -> u8 {
+        self.interpreter.program.system()
+    }
+
+    /// Whether X words are diameters.
+    pub fn x_is_diameter(&self) -> bool {
+        self.interpreter.program.x_is_diameter()
+    }
+
+    /// Whether blocks are read as FANUC does.
+    pub fn is_fanuc(&self) -> bool {
+        self.options.dialect != Dialect::Linuxcnc
+    }
+
+    /// What outlives the session.
+    pub fn outlasting(&self) -> Outlasting {
+        self.interpreter.program.outlasting()
+    }
+}
+
+/// An interpreter that has begun: what holds at the start has been said.
+fn begun(options: &Options, machine: &Machine) -> Interpreter {
+    let program = Program::from_text("by hand", "", options);
+    let mut interpreter = Interpreter::new(program, machine);
+    interpreter.by_hand = true;
+    // An empty text has nothing that could be wrong.
+    interpreter.by_ref().for_each(drop);
+    interpreter
+}
+
+impl Interpreter {
+    /// Reads a text that was given by hand, to its end.
+    fn given(
+        &mut self,
+        text: &str,
+        at: &PerAxis<Position>,
+        options: &Options,
+    ) -> Result<Vec<Item>, Vec<Diagnostic>> {
+        let point = self.translator.rests_at(at);
+        // A tape: it ends without M2, and what waits for a next move is made.
+        self.program.goes_on("MDI", format!("%\n{text}\n%\n"), options, point);
+        self.reported.clear();
+        self.ended = false;
+        let (mut items, mut errors) = (Vec::new(), Vec::new());
+        for item in self.by_ref().take(MOST_ITEMS) {
+            match item {
+                Ok(item) => items.push(item),
+                Err(error) => errors.push(error),
+            }
+        }
+        self.translator.ends_by_hand();
+        self.find(false);
+        errors.extend(self.errors.drain(..));
+        errors.retain(|error| error.code != NO_END);
+        while let Some(item) = self.translator.next_item() {
+            items.push(item);
+        }
+        let whole = self.ended && matches!(items.last(), Some(Item { code: Code::ByHand(_), .. }));
+        if !whole {
+            let (place, help) = (self.translator.place(), "run it as a program");
+            let message = format!("a block by hand is at most {MOST_ITEMS} items of machine code");
+            let problem = gcode::Problem::error("too-long", gcode::problem::Blame::Block, message, help);
+            errors.push(self.program.diagnose(place, *problem));
+        }
+        if errors.is_empty() { Ok(items) } else { Err(errors) }
+    }
+}

@@ -1,0 +1,75 @@
+//! What can be asked of work by hand. In: the value of a request. Out: what it asks for, or what it should have
+//! been. What the machine makes of it is its own affair.
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::wire::HandAsked;
+
+/// Most characters of a block.
+const LONGEST_BLOCK: usize = 512;
+
+type Read = Result<HandAsked, &'static str>;
+
+/// The machine is switched on for it.
+pub(crate) fn on(value: &Value) -> Read {
+    if value.is_null() { Ok(HandAsked::On) } else { Err("has no value") }
+}
+
+/// A jog is confirmed.
+pub(crate) fn jog_on(value: &Value) -> Read {
+    if value.is_null() { Ok(HandAsked::JogOn) } else { Err("has no value") }
+}
+
+/// A block of G-code.
+pub(crate) fn block(value: &Value) -> Read {
+    match value.as_str() {
+        Some(text) if !text.trim().is_empty() && text.chars().count() <= LONGEST_BLOCK => {
+            Ok(HandAsked::Block(text.to_owned()))
+        }
+        _ => Err("value is a block of G-code, 1 to 512 characters"),
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Jog {
+    axis: String,
+    mm_min: f64,
+    step_mm: Option<f64>,
+    way: Option<String>,
+}
+
+/// An axis goes so far, or as long as that is confirmed.
+pub(crate) fn jog(value: &Value) -> Read {
+    let what = "value is {axis, mm_min, step_mm} or {axis, mm_min, way}, way \"+\" or \"-\"";
+    let Jog { axis, mm_min, step_mm, way } = Deserialize::deserialize(value).map_err(|_| what)?;
+    match (step_mm, way.as_deref()) {
+        (Some(mm), None) if mm != 0.0 => Ok(HandAsked::Step { axis, mm, mm_min }),
+        (None, Some("+")) => Ok(HandAsked::Jog { axis, positive: true, mm_min }),
+        (None, Some("-")) => Ok(HandAsked::Jog { axis, positive: false, mm_min }),
+        _ => Err(what),
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TouchOff {
+    axis: String,
+    value: f64,
+}
+
+/// Where an axis stands is this value.
+pub(crate) fn touch_off(value: &Value) -> Read {
+    let TouchOff { axis, value } = Deserialize::deserialize(value)
+        .map_err(|_| "value is {axis, value}, the value in units of the program")?;
+    if value.abs() < 1e6 { Ok(HandAsked::TouchOff { axis, value }) } else { Err("value is below 1000000") }
+}
+
+/// The spindle turns.
+pub(crate) fn spindle(value: &Value) -> Read {
+    match value.as_f64() {
+        Some(rpm) if rpm.abs() <= 1e6 => Ok(HandAsked::Spindle(rpm)),
+        _ => Err("value is 1/min, negative counterclockwise, 0 stops it"),
+    }
+}

@@ -1,0 +1,84 @@
+//! Work by hand at the panel. In: what somebody asks for. Out: machine code and requests for the machine,
+//! or why there are none; what is shown of it.
+
+use ::panel::HandAsked;
+use protocol::{Item, operator::Request};
+use serde_json::{Map, Value, json};
+
+use super::{
+    hand::{Given, Hand},
+    live::Live,
+    mode::{Doing, Mode, Press},
+    session::Who,
+};
+use crate::{error::CliError, run::Setup};
+
+impl Live {
+    /// A run begins, which may be work by hand.
+    pub(super) fn begins_by_hand(&mut self, setup: &Setup) -> Result<(), CliError> {
+        let hand = setup.by_hand.then(|| Hand::new(&setup.folder.language, &setup.machine));
+        self.hand = hand.transpose().map_err(CliError::Input)?;
+        Ok(())
+    }
+
+    /// Takes what somebody asks of work by hand.
+    pub(super) fn takes_by_hand(
+        &mut self,
+        ticket: u64,
+        asked: &HandAsked,
+        items: &mut Vec<Item>,
+        requests: &mut Vec<Request>,
+    ) {
+        let press = match asked {
+            HandAsked::On => Press::Hand,
+            HandAsked::JogOn => Press::JogOn,
+            _ => Press::Block,
+        };
+        let Some(hand) = self.hand.as_mut().filter(|_| self.mode.refuses(press).is_none()) else {
+            let why = self.mode.refuses(press).unwrap_or("this run is no work by hand");
+            return self.refuse(ticket, "not-now", why);
+        };
+        let mut send = |request, who| {
+            self.session.sent(request, who);
+            requests.push(request);
+        };
+        if press == Press::JogOn {
+            return send(Request::Jog(true), Who::Panel(ticket));
+        }
+        match hand.give(asked) {
+            Err(why) => self.refuse(ticket, "bad-block", &why),
+            Ok(Given { items: given, jogs, text }) => {
+                items.extend(given);
+                // The key is pressed before the jog begins.
+                if jogs {
+                    send(Request::Jog(true), Who::Keyboard);
+                }
+                send(Request::Block, Who::Panel(ticket));
+                self.session.gives(text);
+                self.mode = if jogs { Mode::Jog } else { Mode::Mdi };
+            }
+        }
+    }
+
+    /// What is shown of modes and of work by hand.
+    pub(super) fn shows_hand(&self, shown: &mut Map<String, Value>) {
+        shown.insert("mode".into(), json!(self.mode.name()));
+        shown.insert("recording".into(), json!(!self.session.is_full()));
+        let hand = self.hand.as_ref().map(|hand| {
+            json!({
+                "in_force": hand.in_force(),
+                "x_is_diameter": hand.x_is_diameter(),
+                "waits": hand.doing() == Doing::Nothing,
+            })
+        });
+        if let Some(hand) = &self.hand {
+            shown.insert("origin_mm".into(), json!(hand.origin_mm()));
+        }
+        shown.insert("by_hand".into(), json!(hand));
+    }
+
+    /// All that was given by hand in the run that is over, and what of it outlives it.
+    pub(crate) fn given(&mut self) -> Option<(Vec<Item>, interpreter::Outlasting)> {
+        self.hand.take().map(|hand| (hand.whole(), hand.outlasting()))
+    }
+}

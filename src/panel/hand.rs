@@ -1,0 +1,242 @@
+//! Work by hand: blocks and jogs become machine code. In: what somebody asks for, and where the axes rest.
+//! Out: machine code for the interpreter's place in the chain; or why there is none. Positions in mm of the
+//! machine, X of a lathe as a radius, feeds in mm/min; degrees of rotary axes.
+//!
+//! All that is given goes through one chain: a block, a step, a jog is machine code between where it begins
+//! and where the next one is waited for ([`protocol::ByHand`]). A jog is a move to the end of travel that
+//! goes on while its key is pressed. So limits, laws and overrides are those of every move, and a session is
+//! a machine-code file that can be run again.
+
+use ::panel::HandAsked;
+use interpreter::{ByHand as Reader, Language};
+use machine::{AxisConfig, Machine};
+use motion::Exit;
+use protocol::{Axis, ByHand, Code, CodePacket, Feed, Item, MachineState, PerAxis, Position};
+use rig::observe::Record;
+
+use super::mode::Doing;
+
+/// A jog comes to rest in so long, s: with the time for which its key stays pressed with nobody to confirm
+/// it, 0.08 s, and the way of a setpoint to the axis, less than 0.15 s.
+const JOG_STOPS_S: f64 = 0.05;
+/// Most bytes of a block on its way: what the pipe to the interpreter holds at once.
+const MOST_BYTES: usize = 48 << 10;
+/// Slowest jog, mm/min.
+const SLOWEST: f64 = 0.1;
+
+/// Work by hand at a machine that is on.
+pub(crate) struct Hand {
+    machine: Machine,
+    reader: Reader,
+    /// All that was given.
+    items: Vec<Item>,
+    /// Steps of that, which are done when the machine waits again.
+    steps: u64,
+    doing: Doing,
+    /// Where the axes rest, while the machine waits for a block.
+    rests: Option<PerAxis<Position>>,
+}
+
+/// What goes to the machine.
+pub(crate) struct Given {
+    /// For the interpreter's place.
+    pub(crate) items: Vec<Item>,
+    /// It goes on while its key is pressed.
+    pub(crate) jogs: bool,
+    /// As it stands in the record.
+    pub(crate) text: String,
+}
+
+/// The first item of a session: it waits.
+pub(crate) const BEGINS: Item = Item { line: 0, code: Code::ByHand(ByHand::Waits) };
+
+impl Hand {
+    /// At a machine that is switched on.
+    pub(crate) fn new(language: &Language, machine: &Machine) -> Result<Hand, String> {
+        let reader = Reader::new(language, machine).map_err(|error| error.to_string())?;
+        let items = vec![BEGINS];
+        let steps = 1;
+        Ok(Hand { machine: machine.clone(), reader, items, steps, doing: Doing::Block, rests: None })
+    }
+
+    /// One control cycle.
+    pub(crate) fn cycle(&mut self, record: &Record) {
+        let Record { axes, machine, .. } = record;
+        let waits = machine.state() == MachineState::ByHand && machine.taken >= self.steps;
+        let rest = |(_, status): &(Axis, protocol::AxisStatus)| {
+            status.velocity_mm_s == 0.0 && status.acceleration_mm_s2 == 0.0 && status.in_position != 0
+        };
+        self.rests = (waits && axes.iter().all(rest)).then(|| {
+            let mut at = PerAxis::default();
+            axes.iter().for_each(|(axis, status)| at[axis.index()] = Position::from_mm(status.commanded_mm));
+            at
+        });
+        if self.rests.is_some() {
+            self.doing = Doing::Nothing;
+        }
+    }
+
+    /// What it does.
+    pub(crate) fn doing(&self) -> Doing {
+        self.doing
+    }
+
+    /// What is in force for the next block.
+    pub(crate) fn in_force(&self) -> String {
+        self.reader.in_force()
+    }
+
+    /// X and Z of the machine where those of the program are 0 now, mm.
+    pub(crate) fn origin_mm(&self) -> [f64; 2] {
+        [Axis::X, Axis::Z].map(|axis| self.reader.origin()[axis.index()].mm())
+    }
+
+    /// Whether X of the program is a diameter.
+    pub(crate) fn x_is_diameter(&self) -> bool {
+        self.reader.x_is_diameter()
+    }
+
+    /// What outlives the session.
+    pub(crate) fn outlasting(&self) -> interpreter::Outlasting {
+        self.reader.outlasting()
+    }
+
+    /// All that was given, as a program that ends.
+    pub(crate) fn whole(&self) -> Vec<Item> {
+        let end = Item { line: self.reader.blocks() as u32, code: Code::End };
+        self.items.iter().copied().chain([end]).collect()
+    }
+
+    /// What somebody asks for, as machine code.
+    ///
+    /// # Errors
+    /// Why it is not done; nothing has changed.
+    pub(crate) fn give(&mut self, asked: &HandAsked) -> Result<Given, String> {
+        let at = self.rests.ok_or("the axes have not come to rest yet: press again")?;
+        let given = match asked {
+            HandAsked::Block(text) => self.block(text, &at)?,
+            HandAsked::Spindle(rpm) => self.block(&self.spindle(*rpm)?, &at)?,
+            HandAsked::TouchOff { axis, value } => self.block(&self.touch_off(axis, *value)?, &at)?,
+            HandAsked::Step { axis, mm, mm_min } => {
+                let (axis, config) = self.axis(axis)?;
+                let target = at[axis.index()].moved(*mm);
+                let [low, high] = config.travel_mm;
+                if !(low..=high).contains(&target.mm()) {
+                    let name = axis.name().to_ascii_uppercase();
+                    return Err(format!(
+                        "{name} would go to {:.3} of the machine, and its travel is {low} to {high}",
+                        target.mm()
+                    ));
+                }
+                let most = 60.0 * config.velocity_mm_s;
+                self.jog(&at, (axis, target), feed(*mm_min, most)?, false)
+            }
+            HandAsked::Jog { axis, positive, mm_min } => {
+                let (axis, config) = self.axis(axis)?;
+                let target = Position::from_mm(config.travel_mm[usize::from(*positive)]);
+                if at[axis.index()] == target {
+                    return Err(format!("{} is at the end of its travel", axis.name().to_ascii_uppercase()));
+                }
+                self.jog(&at, (axis, target), feed(*mm_min, fastest_jog(config))?, true)
+            }
+            HandAsked::On | HandAsked::JogOn => return Err("this is no block".into()),
+        };
+        self.steps += given.items.iter().map(Item::steps).sum::<u64>();
+        self.items.extend(&given.items);
+        self.doing = if given.jogs { Doing::Jog } else { Doing::Block };
+        self.rests = None;
+        Ok(given)
+    }
+
+    fn axis(&self, name: &str) -> Result<(Axis, &AxisConfig), String> {
+        let found = self.machine.axes().find(|(axis, _)| axis.name().eq_ignore_ascii_case(name));
+        found.ok_or_else(|| {
+            let there: Vec<_> =
+                self.machine.axes().map(|(axis, _)| axis.name().to_ascii_uppercase()).collect();
+            format!("this machine has no axis {name}: {}", there.join(", "))
+        })
+    }
+
+    /// A block, read by the interpreter of programs.
+    fn block(&mut self, text: &str, at: &PerAxis<Position>) -> Result<Given, String> {
+        if text.contains('%') {
+            return Err("% is of programs: leave it out".into());
+        }
+        let items = self.reader.block(text, at).map_err(|errors| {
+            let told = errors.iter().map(|error| match error.help.as_str() {
+                "" => error.message.clone(),
+                help => format!("{}: {help}", error.message),
+            });
+            told.collect::<Vec<_>>().join("; ")
+        });
+        let items = items?;
+        let thread = |item: &Item| matches!(item.code, Code::Pass(_) | Code::Work(_) | Code::Formula { .. });
+        let bytes: usize = items.iter().map(|item| CodePacket::pack(0, item).as_bytes().len() + 2).sum();
+        let refused = match () {
+            () if items.iter().any(thread) => Some("threads, taps and jobs are cut by programs"),
+            () if bytes > MOST_BYTES => Some("this is too long for a block"),
+            () => None,
+        };
+        if let Some(why) = refused {
+            self.reader.forget_last();
+            return Err(format!("{why}: run it as a program"));
+        }
+        Ok(Given { items, jogs: false, text: text.trim().replace(['\n', '\r'], " / ") })
+    }
+
+    /// One axis goes to a place.
+    fn jog(&self, at: &PerAxis<Position>, (axis, to): (Axis, Position), mm_min: f64, jogs: bool) -> Given {
+        let line = self.reader.blocks() as u32;
+        let mut target = *at;
+        target[axis.index()] = to;
+        let codes = [
+            Code::ByHand(ByHand::Begins { at: *at, jogs }),
+            Code::Line { target, feed: Feed::PerMinute(mm_min) },
+            Code::ByHand(ByHand::Waits),
+        ];
+        let (name, what) = (axis.name().to_ascii_uppercase(), if jogs { "towards" } else { "to" });
+        let text = format!("jog: {name} {what} {:.6} of the machine at {mm_min} /min", to.mm());
+        Given { items: codes.map(|code| Item { line, code }).to_vec(), jogs, text }
+    }
+
+    /// The block that turns the spindle at a speed, 1/min; negative counterclockwise.
+    fn spindle(&self, rpm: f64) -> Result<String, String> {
+        match (&self.machine.spindle, rpm) {
+            (spindle, _) if spindle.is_none() => Err("this machine has no spindle".into()),
+            (_, 0.0) => Ok("M5".into()),
+            (_, rpm) => Ok(format!("G97 S{:.3} M{}", rpm.abs(), if rpm > 0.0 { 3 } else { 4 })),
+        }
+    }
+
+    /// The block that makes a place of an axis this value of the coordinate system in force.
+    fn touch_off(&self, axis: &str, value: f64) -> Result<String, String> {
+        let (axis, _) = self.axis(axis)?;
+        if self.reader.is_fanuc() {
+            return Err(
+                "touching off is G10 L20, which FANUC does not have: set the offset with G10 L2".into()
+            );
+        }
+        Ok(format!("G10 L20 P{} {}{value:.6}", self.reader.system(), axis.name().to_ascii_uppercase()))
+    }
+}
+
+/// A feed of a jog.
+fn feed(mm_min: f64, most: f64) -> Result<f64, String> {
+    if (SLOWEST..=most).contains(&mm_min) {
+        return Ok(mm_min);
+    }
+    Err(format!("{mm_min} is no feed of this jog: {SLOWEST} to {most:.0} mm/min"))
+}
+
+/// The fastest jog of an axis that comes to rest soon enough, mm/min, in whole tens: a hold on its path takes
+/// the law of smoothest braking within a, j and the rate of jerk of the axis.
+pub(crate) fn fastest_jog(config: &AxisConfig) -> f64 {
+    let limits = config.limits();
+    let (mut low, mut high) = (0.0, config.velocity_mm_s);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        let soon = Exit::stop_s(middle, 0.0, &limits) <= JOG_STOPS_S;
+        (low, high) = if soon { (middle, high) } else { (low, middle) };
+    }
+    (6.0 * low).floor() * 10.0
+}
