@@ -235,9 +235,12 @@ fn behind_every_fault_the_thread_is_finished() {
         let verdict = on.gauge.as_ref().map(|gauge| gauge.verdict);
         assert_eq!(verdict, Some(PartVerdict::Good), "{action}: {:?}", on.part.reasons);
     }
-    // At the change of the tool nothing is in the material; the tool is called for again.
-    let on = after(&place, "at = { line = 10 }\nemergency_stop = true", "emergency-stop");
-    assert_eq!((on.passes.len(), on.part.verdict), (5, PartVerdict::Good), "{:?}", on.part.reasons);
+    // Before the change of the tool and behind it nothing is in the material; the tool is called for again.
+    for line in [8, 11] {
+        let event = format!("at = {{ line = {line} }}\nemergency_stop = true");
+        let on = after(&place, &event, "emergency-stop");
+        assert_eq!((on.passes.len(), on.part.verdict), (5, PartVerdict::Good), "{:?}", on.part.reasons);
+    }
 }
 
 /// Names of all that is in a folder, with what it holds.
