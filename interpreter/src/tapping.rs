@@ -59,7 +59,7 @@ pub(crate) struct Tap {
 pub struct TapNote {
     /// How far in front of the depth the spindle begins to brake, at programmed speed, mm.
     pub brakes_mm: f64,
-    /// Highest speed from which the spindle comes to rest in time, 1/min.
+    /// Highest speed from which the spindle comes to rest in time, at most that of the machine, 1/min.
     pub top_rpm: f64,
     /// Speed of the way out, as a multiple of S.
     pub return_ratio: f64,
@@ -120,7 +120,7 @@ pub(crate) fn plan(tap: &Tap, rest: &PerAxis<Position>, machine: &Machine) -> Re
     Ok(Planned {
         note: TapNote {
             brakes_mm: law.lead_mm.abs() * machine.tap_stop_deg(tap.s_rpm) / 360.0,
-            top_rpm: top_rpm(tap, &law, machine),
+            top_rpm: top_rpm(tap, &law, machine).min(machine.spindle.max_rpm),
             return_ratio: tap.return_ratio,
             seconds: machine.tap_s(&pass),
         },

@@ -17,6 +17,10 @@ use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
 use crate::state::{Rigid, depths};
 
+/// The finest taps of ISO 1501 have a pitch of 0.08 mm, those in shops 0.2 mm and more: less is a feed that
+/// was meant as a lead.
+const FINEST_MM: f64 = 0.07;
+
 /// The lead of a tap, and its pecks.
 ///
 /// # Errors
@@ -57,7 +61,19 @@ pub(super) fn rigid(code: G, way: f64, peck: f64, run: &mut Execution) -> Result
         run.out.warn(Problem::warning("rigid-tap", Blame::G(code), message, help));
         run.modal.rigid = true;
     }
-    let lead = if run.state.modes.feed_mode == FeedMode::PerMinute { feed / speed } else { feed };
+    let by_minute = run.state.modes.feed_mode == FeedMode::PerMinute;
+    let lead = if by_minute { feed / speed } else { feed };
+    let units = run.state.units;
+    if by_minute && lead * units.mm() < FINEST_MM {
+        let message = format!(
+            "F{} a minute at S{} makes a lead of {}: no tap is that fine",
+            short(feed),
+            short(speed),
+            units.program().length(lead * units.mm())
+        );
+        let help = "give F as lead times S, or select feeds per revolution (G99 of a lathe, G95 of a mill)";
+        run.out.warn(Problem::warning("tap-lead", Blame::Word('F'), message, help));
+    }
     Ok(Rigid { lead, peck })
 }
 

@@ -49,6 +49,8 @@ pub(crate) struct Gauged {
     asked: Option<Nominal>,
     said: Option<(Nominal, Place)>,
     kinds: Vec<Kind>,
+    /// There is a tap.
+    taps: bool,
     /// The insert that the program was written for.
     pub(super) written: Written,
 }
@@ -103,6 +105,10 @@ impl Gauged {
 
     /// A pass whose zero lies at `origin`.
     fn pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
+        if pass.returns() {
+            self.taps = true;
+            return;
+        }
         let side =
             pass.cuts_outwards(origin.x).map(|away| if away { Side::Internal } else { Side::External });
         let (lead_mm, grows) = (pass.lead_mm.abs(), pass.lead_mm * pass.direction > 0.0);
@@ -124,8 +130,16 @@ impl Gauged {
     pub(crate) fn misses(&self, end: Place) -> Option<(Place, Box<Problem>)> {
         let nominal = self.nominal().filter(|_| self.kinds.is_empty())?;
         let place = self.said.as_ref().filter(|_| self.asked.is_none()).map_or(end, |(_, place)| *place);
-        let message = format!("a gauge is asked for {}, and the program cuts no thread", nominal.name);
-        let help = "cut it by G33, G32, G76 or G92, or leave out (thread, ...) and --gauge";
+        let (what, help) = match self.taps {
+            true => (
+                "taps only: the form of a thread is that of its tap, and no gauge judges it",
+                "leave out (thread, ...) and --gauge; how far a tap strays from its helix is in the report",
+            ),
+            false => {
+                ("cuts no thread", "cut it by G33, G32, G76 or G92, or leave out (thread, ...) and --gauge")
+            }
+        };
+        let message = format!("a gauge is asked for {}, and the program {what}", nominal.name);
         Some((place, Problem::warning("gauge-differs", Blame::Line(place.line), message, help)))
     }
 

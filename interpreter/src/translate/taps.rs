@@ -1,8 +1,9 @@
 //! Rigid taps. In: calls of them, what is in force. Out: passes that return, and notes of them.
 
-use gcode::canon::Z;
+use gcode::canon::{X, Z};
 use gcode::problem::{Blame, short};
 use gcode::{Place, Pose, Problem};
+use machine::Kinematics;
 use protocol::{Axis, WayOut};
 
 use super::Translator;
@@ -13,6 +14,8 @@ use crate::threading::{SAME, check_lead};
 
 /// Longest dwell at the depth, s.
 const LONGEST_S: f64 = 1000.0;
+/// A tap farther from the axis of a lathe is no longer on it, mm.
+const AXIS_MM: f64 = 0.1;
 
 impl Translator {
     /// In along Z to the target, so many s there, and back to where the tool stands, so many times as fast.
@@ -34,6 +37,7 @@ impl Translator {
             let help = "give Z of its depth";
             return Err(Problem::error("bad-value", Blame::Block, "the tap has no depth", help));
         }
+        self.warn_beside_the_axis(place);
         self.points.target(to, &self.machine)?;
         self.points.at_programmed_point()?;
         let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
@@ -56,6 +60,18 @@ impl Translator {
             leaves: 0,
         };
         self.tap(place, tap)
+    }
+
+    /// A lathe has its hole where the spindle turns: beside its axis a tap breaks.
+    fn warn_beside_the_axis(&mut self, place: Place) {
+        let x_mm = self.points.programmed()[X] - self.origin().x;
+        if self.machine.general.kinematics != Kinematics::Lathe || x_mm.abs() <= AXIS_MM {
+            return;
+        }
+        let units = self.modal.frame.units;
+        let message = format!("the tap stands {} beside the axis of the spindle", units.length(x_mm.abs()));
+        let help = "go to X0 before it";
+        self.output.report(place, Problem::warning("tap-off-axis", Blame::Block, message, help));
     }
 
     /// One tap from where the tool rests, which it comes back to.

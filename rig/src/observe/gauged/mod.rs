@@ -114,7 +114,8 @@ impl Gauged {
             asked,
         };
         let mut lengths_mm = Vec::with_capacity(program.len());
-        for (number, planned) in program {
+        // The form of a tapped thread is that of its tap: nothing of it is in the section of a point.
+        for (number, planned) in program.iter().filter(|(_, planned)| !planned.pass.returns()) {
             let edge = edge_of(machine, planned.tool, &gauged.asked.nominal);
             let edges = &mut gauged.sections.edges;
             let known = edges.iter().position(|other| *other == edge);
@@ -194,7 +195,7 @@ impl Gauged {
         let why = if self.is_full {
             format!("the thread is too long for the gauge: more than {PLACES} places")
         } else if planned == 0 {
-            "the program cuts no thread".into()
+            "the program turns no thread".into()
         } else if low >= high {
             "the passes have no length of full thread in common".into()
         } else if self.other_side && self.begun > 0 {
