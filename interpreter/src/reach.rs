@@ -43,8 +43,8 @@ pub(crate) fn refuse_absent(call: &Call<'_>) -> Done {
         | Call::EnableSpeedOverride(false)
         | Call::EnableFeedHold(false)
         | Call::EnableAdaptiveFeed(true) => {
-            let help =
-                "mill or turn the thread; leave M49 to M53 out: the operator's overrides always count here";
+            let help = "tap rigidly with G33.1 Z K instead; leave M49 to M53 out: the operator's overrides always \
+                        count here";
             Err(missing("taps (G74, G84), and overrides or hold switched off (M49 to M53)", help))
         }
         Call::SetPlannerMode(_) => {

@@ -123,15 +123,19 @@ fn taps(text: &mut String, summary: &Summary) {
         return;
     }
     let worst = |of: fn(&TapReport) -> f64| taps.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    let (short, deeper) = (worst(|tap| tap.short_um), worst(|tap| -tap.short_um));
+    let depth = match () {
+        () if deeper > 0.0 => format!("at most {deeper:.1} µm deeper than programmed"),
+        () if (short + deeper).abs() < 0.05 => format!("{short:.1} µm short of the depth"),
+        () => format!("{:.1} to {short:.1} µm short of the depth", -deeper),
+    };
     let _ = writeln!(
         text,
-        "tap       {}: off the helix at most {:.2} µm on the way in, {:.2} µm while the spindle turns round, {:.2} µm on the way out; {:.1} to {:.1} µm short of the depth",
+        "tap       {}: off the helix at most {:.2} µm on the way in, {:.2} µm while the spindle turns round, {:.2} µm on the way out; {depth}",
         counted(taps.len() as u64, "tap", "taps"),
         worst(|tap| tap.in_um),
         worst(|tap| tap.turn_um),
         worst(|tap| tap.out_um),
-        -worst(|tap| -tap.short_um),
-        worst(|tap| tap.short_um),
     );
 }
 

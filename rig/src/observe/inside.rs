@@ -58,9 +58,11 @@ impl Inside {
         let linear = machine.axes().filter(|(axis, _)| !axis.is_rotary());
         let places: Vec<String> =
             linear.map(|(axis, _)| format!("{axis} {:.3}", self.at[axis.index()].mm())).collect();
+        let lathe = machine.general.kinematics == machine::Kinematics::Lathe;
+        let measure = if lathe { "mm of the machine, X as a radius" } else { "mm of the machine" };
         if pass.returns() {
             let text = format!(
-                "the tap stands in the hole of pass {}, at {} (mm of the machine, X as a radius); do not start the \
+                "the tap stands in the hole of pass {}, at {} ({measure}); do not start the \
                  spindle, and move no axis: open the tap holder and turn the tap out by hand, or turn the spindle \
                  backwards by hand a turn for every {:.3} mm that {lifts} goes out, then start again",
                 pass.pass,
@@ -70,7 +72,7 @@ impl Inside {
             return Some(self.told(lifts, text));
         }
         let text = format!(
-            "the tool stands in the thread of pass {}, at {} (mm of the machine, X as a radius); do not start the \
+            "the tool stands in the thread of pass {}, at {} ({measure}); do not start the \
              spindle, and move no other axis: move {lifts} by hand to {:.3}, out of the groove, then start again",
             pass.pass,
             places.join(" "),
