@@ -110,8 +110,8 @@ pub(crate) enum Command {
     SimPlant(process::shell::plant::PlantArgs),
 }
 
-/// Reads the arguments. A number below 0 is the value of its option, so that its range is told and not another
-/// option.
+/// Reads the arguments. A number below 0 is the value of its option, so that its range is told and not
+/// another option.
 pub(crate) fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
     let command = Cli::command().mut_subcommands(takes_negatives);
     Cli::from_arg_matches(&command.try_get_matches_from(arguments)?)

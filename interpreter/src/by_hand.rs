@@ -1,6 +1,6 @@
 //! Blocks that somebody gives by hand, one by one. In: the text of a block, and where the axes rest: whoever
-//! jogs moves them without a block. Out: its machine code, behind where it begins and up to where the next one
-//! is waited for; or what is wrong with it, and then nothing has changed.
+//! jogs moves them without a block. Out: its machine code, behind where it begins and up to where the next
+//! one is waited for; or what is wrong with it, and then nothing has changed.
 //!
 //! ```
 //! use interpreter::{ByHand, Language};

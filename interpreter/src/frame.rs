@@ -54,8 +54,8 @@ impl Frame {
         format!("X{x} Z{z} of the part (X as a {what}, {})", self.units.name())
     }
 
-    /// What a program may write for the axis that a message about travel begins with, where that is not what the
-    /// machine file has.
+    /// What a program may write for the axis that a message about travel begins with, where that is not
+    /// what the machine file has.
     pub(crate) fn travel(&self, message: &str, machine: &Machine) -> Option<String> {
         let (axis, config) = machine.axes().find(|(axis, _)| message.starts_with(&axis.to_string()))?;
         let at = [X, Y, Z, A, B, C].get(Axis::ALL.iter().position(|other| *other == axis)?).copied()?;

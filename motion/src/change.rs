@@ -11,7 +11,7 @@
 //! ```text
 //! τ(Δ) = max( 2 |Δ|/J, sqrt(2π |Δ|/DJ) )                        peak jerk 2Δ/τ, peak jerk rate 2πΔ/τ²  (M63)
 //! v1 − v0 = (a0 + ap)/2 τ₁ + ap tc + ap/2 τ(ap)                                                        (M64)
-//! τ₁ = τ(ap − a0), but τ(ap) where ap is more of what a0 is                                            (M182)
+//! τ₁ = τ(ap − a0), but τ(ap) where ap is more of what a0 is                                           (M182)
 //! ```
 //! Limits may count on it that peaks of acceleration and jerk do not come together (M181). So a pulse that
 //! raises an acceleration takes as long as the whole of it from none would: then it is a mean of a constant

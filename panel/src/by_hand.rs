@@ -1,5 +1,5 @@
-//! What can be asked of work by hand. In: the value of a request. Out: what it asks for, or what it should have
-//! been. What the machine makes of it is its own affair.
+//! What can be asked of work by hand. In: the value of a request. Out: what it asks for, or what it should
+//! have been. What the machine makes of it is its own affair.
 
 use serde::Deserialize;
 use serde_json::Value;

@@ -78,8 +78,8 @@ pub enum HandAsked {
     Spindle(f64),
 }
 
-/// Panel → launcher: a press, as [`OperatorRequest`](protocol::OperatorRequest) numbers it, or what is asked of
-/// work by hand.
+/// Panel → launcher: a press, as [`OperatorRequest`](protocol::OperatorRequest) numbers it, or what is
+/// asked of work by hand.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FromPanel {
     /// Running number, for the answer.

@@ -224,8 +224,8 @@ impl Until {
 /// What stands between blocks that somebody gives by hand, one by one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ByHand {
-    /// Wait at rest until another block is given ([`Panel::BLOCK`](crate::Panel::BLOCK)). What follows is asked
-    /// for only then: it need not be known before.
+    /// Wait at rest until another block is given ([`Panel::BLOCK`](crate::Panel::BLOCK)). What follows is
+    /// asked for only then: it need not be known before.
     Waits,
     /// A block begins.
     Begins {

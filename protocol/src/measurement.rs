@@ -68,8 +68,8 @@ impl Panel {
     pub const EMERGENCY_STOP: u32 = 16;
     /// The mains have failed: the drives have torque for as long as their link holds. It stays.
     pub const POWER_LOST: u32 = 32;
-    /// The jog key is pressed: a move by hand that asks for it goes on. The panel lets go of it by itself when
-    /// nobody has confirmed it for [`Panel::JOG_SILENT_S`].
+    /// The jog key is pressed: a move by hand that asks for it goes on. The panel lets go of it by itself
+    /// when nobody has confirmed it for [`Panel::JOG_SILENT_S`].
     pub const JOG: u32 = 64;
     /// Whether the number of blocks that were given by hand is odd: it changes when one is there to be begun.
     pub const BLOCK: u32 = 128;

@@ -1,5 +1,5 @@
-//! The taps of a certificate. In: their reports. Out: rows of a table of their own, since a tap goes to its depth
-//! along its axis, and takes no chip that the simulated machine would feel.
+//! The taps of a certificate. In: their reports. Out: rows of a table of their own, since a tap goes to its
+//! depth along its axis, and takes no chip that the simulated machine would feel.
 
 use report::table::{Column, Table};
 use rig::observe::Summary;

@@ -86,8 +86,8 @@ impl Plan {
         self.in_hand(done, line).map(|place| self.stops[place].at)
     }
 
-    /// How long the rest takes at 100 %, s: what is foretold behind the last block that is done, less what has
-    /// gone by since, as long as the block in hand is not longer.
+    /// How long the rest takes at 100 %, s: what is foretold behind the last block that is done, less what
+    /// has gone by since, as long as the block in hand is not longer.
     pub(crate) fn left_s(&mut self, done: u64, now_s: f64) -> Option<f64> {
         if self.since.0 != done {
             self.since = (done, now_s);

@@ -220,8 +220,8 @@ pub(crate) fn diff(args: &DiffArgs, quiet: bool) -> Result<ExitCode, CliError> {
     Ok(ExitCode::FAILURE)
 }
 
-/// What a comparison came to, for programs. `first` is null where nothing differs; where one run ends before the
-/// other, its `module` and `field` are.
+/// What a comparison came to, for programs. `first` is null where nothing differs; where one run ends before
+/// the other, its `module` and `field` are.
 fn document(runs: &[Recorded; 2], found: &Found) -> serde_json::Value {
     let first = match found {
         Found::Nothing { .. } => serde_json::Value::Null,

@@ -1,5 +1,5 @@
-//! Machine code by hand, on its way to the interpreter: a pipe that holds a block at once, so that nobody waits.
-//! In: items. Out: nothing; an interpreter that is gone takes none, and its death is seen elsewhere.
+//! Machine code by hand, on its way to the interpreter: a pipe that holds a block at once, so that nobody
+//! waits. In: items. Out: nothing; an interpreter that is gone takes none, and its death is seen elsewhere.
 
 use std::process::ChildStdin;
 

@@ -133,7 +133,7 @@ fn what_follows_from_one_cause_is_told_once_with_its_count() {
         answer.stderr
     );
     assert!(answer.stderr.contains("in one block (and again in line 7)"), "{}", answer.stderr);
-    // A program of a mill on a lathe: one axis is not there, and arcs that count otherwise than the post thinks.
+    // A program of a mill on a lathe: an axis that is not there, and arcs of a post in diameters.
     place.write("mill.ngc", "F100 S500 M3\nG0 X10 Y1\nY2\nX12 Y3\nG18 G0 X18 Z1\nG1 Z0\nG3 X19.2 Z-0.6 K-0.6\nG3 X20.4 Z-1.2 K-0.6\nM2\n");
     let answer = place.ask(&["check", "mill.ngc"]);
     assert!(answer.stdout.starts_with("2 errors, "), "{}", answer.stdout);

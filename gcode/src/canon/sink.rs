@@ -15,8 +15,8 @@ pub trait Sink {
     /// What the receiver cannot do; the interpreter adds file, line and caret.
     fn call(&mut self, place: Place, call: Call<'_>) -> Result<(), Box<Problem>>;
 
-    /// What a block that was refused would have done, as far as the blocks behind it count on it. Nothing of it is to
-    /// be executed, and nothing that is wrong with it told.
+    /// What a block that was refused would have done, as far as the blocks behind it count on it. Nothing of
+    /// it is to be executed, and nothing that is wrong with it told.
     fn assumes(&mut self, _place: Place, _call: Call<'_>) {}
 
     /// After a block that was refused the program is taken to be at `to`, the end of the move that it was to

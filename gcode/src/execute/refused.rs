@@ -1,9 +1,8 @@
 //! What a block that was refused leaves behind, so that the blocks after it are not blamed for it.
 //!
-//! In: the block and what is wrong with it. Out: the state, and the receiver, as if the rest of the block had been
-//! executed: where only a word was too much, it is; else F, S, the spindle, the modes and the point that the block
-//! names count. What is found wrong with the rest is not told,
-//! and nothing of it is executed.
+//! In: the block and what is wrong with it. Out: the state, and the receiver, as if the rest of the block had
+//! been executed: where only a word was too much, it is; else F, S, the spindle, the modes and the point that
+//! the block names count. What is found wrong with the rest is not told, and nothing of it is executed.
 
 use super::{Output, execute, modes, straight};
 use crate::block::Block;

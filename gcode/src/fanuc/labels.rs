@@ -53,8 +53,8 @@ impl Heading {
     }
 }
 
-/// `%O1200 SHAFT`: some controls write the sign that begins a tape in front of the number of the program, and a
-/// name behind it. Whether it is there; the cursor is at O then.
+/// `%O1200 SHAFT`: some controls write the sign that begins a tape in front of the number of the program,
+/// and a name behind it. Whether it is there; the cursor is at O then.
 pub(super) fn leader(line: u32, cursor: &mut Cursor) -> bool {
     let mut ahead = cursor.clone();
     let is_there = line == 1 && ahead.take_if(b'%') && matches!(ahead.peek(), Some(b'o' | b':'));

@@ -242,8 +242,8 @@ impl Control {
         self.skip_to_end(state, out);
     }
 
-    /// Executes the block without the word that is too much in it, if that is what is wrong. What else is found is
-    /// not told: the line has its error.
+    /// Executes the block without the word that is too much in it, if that is what is wrong. What else is
+    /// found is not told: the line has its error.
     fn without_word(&mut self, problem: &Problem, state: &mut State, out: &mut Output) -> bool {
         let whole = self.line.block.clone();
         match refused::too_much(problem) {

@@ -1,5 +1,5 @@
-//! A program that is given by hand, text by text. In: a text, and where the axes stand. Out: what is in force,
-//! for whoever types the next one.
+//! A program that is given by hand, text by text. In: a text, and where the axes stand. Out: what is in
+//! force, for whoever types the next one.
 
 use super::{Findings, Program, Stage, Stay, files};
 use crate::canon::{FeedMode, Plane, Pose, Units};

@@ -46,7 +46,7 @@ use crate::options::{MachineCode, Options};
 use crate::problem::{Problem, Span};
 
 /// See [`State::assume`].
-pub(crate) const SPINDLE_MAY_TURN: &str = "spindle-may-turn";
+pub(crate) const SPINDLE_MAY_TURN: &str = "M3";
 
 /// #5161 to #5166: home of G28, machine units; #5181: home of G30.
 pub(crate) const HOME: [u32; 2] = [5161, 5181];
@@ -188,8 +188,8 @@ impl State {
         state
     }
 
-    /// A feed or a speed was missed, which is said once, or a refused word may have started the spindle: from here on
-    /// there is one. What the receiver of the calls is to know of it.
+    /// A feed or a speed was missed, which is said once, or a refused word may have started the spindle: from
+    /// here on there is one. What the receiver of the calls is to know of it.
     pub(crate) fn assume(&mut self, problem: &str) -> Vec<Call<'static>> {
         match problem {
             "no-feed" if self.modes.feed == 0.0 => {

@@ -1,5 +1,5 @@
-//! Blocks that are given by hand. In: where the axes rest, which others may have moved. Out: where the program
-//! is then; the items of a block, to its end.
+//! Blocks that are given by hand. In: where the axes rest, which others may have moved. Out: where the
+//! program is then; the items of a block, to its end.
 
 use gcode::Pose;
 use protocol::{ByHand, Code, PerAxis, Position};

@@ -183,7 +183,8 @@ impl Translator {
         }
     }
 
-    /// Reports what cannot be done. Of the travel, which the machine file has, it is told what the program may write.
+    /// Reports what cannot be done. Of the travel, which the machine file has, it is told what the program
+    /// may write.
     pub(super) fn refuse(&mut self, place: Place, mut problem: Problem) {
         if problem.code == "travel-limit"
             && let Some(may) = self.modal.frame.travel(&problem.message, &self.machine)

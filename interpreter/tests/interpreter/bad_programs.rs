@@ -233,7 +233,7 @@ fn a_mistake_gives_one_message() {
         check("part.ngc", text, &Machine::plain()).diagnostics.iter().map(|one| one.code).collect()
     };
     assert_eq!(codes("S500 M3\nG1 X10 Z0 F1000000000000\nX20\nZ-5\nM2\n"), ["bad-value"]);
-    // The arc would begin where the line beyond the travel did not end, and what stays there has the same cause.
+    // The arc would begin where the line beyond the travel did not end; what stays there has the same cause.
     assert_eq!(
         codes("F100 S500 M3\nG1 X10 Z0\nX500\nG2 X490 Z-10 I-10\nG1 X20 Z-20\nM2\n"),
         ["travel-limit"]
@@ -264,7 +264,7 @@ fn blocks_behind_a_refused_one_are_not_blamed() {
         (format!("G18 M3 R500\n{threads}"), 1, "unused-word"),
         (format!("G18 M3 S-500\n{threads}"), 1, "bad-value"),
         (format!("G18 M3 S3500\n{threads}"), 1, "speed-limit"),
-        // The curve of G6.2 without its order, and with a weight that is missing: it ends where it would have ended.
+        // The curve of G6.2 without its order, or a weight: what follows begins where it would have ended.
         (format!("G18 G90 G8 F100 S500 M3\nG0 X0 Z0\nG6.2 Q1 X0 Z0 R1 K0\n{CURVE}"), 3, "missing-word"),
         (format!("G18 G90 G8 F100 S500 M3\nG0 X0 Z0\nG6.2 P3 Q1 X0 Z0 K0\n{CURVE}"), 3, "missing-word"),
         (format!("G18 G90 G8 F100 S500 M3\nG0 X0 Z0\nG6.2 P3 X0 Z0 R1 K0\n{CURVE}"), 3, "missing-word"),

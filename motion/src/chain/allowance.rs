@@ -1,12 +1,12 @@
-//! What the bends of a stretch leave to changes of feed, by the speed at which they are passed. In: limits of s
-//! at some speeds, mm/sⁿ. Out: limits up to any speed; how far a speed can change on a way.
+//! What the bends of a stretch leave to changes of feed, by the speed at which they are passed. In: limits
+//! of s at some speeds, mm/sⁿ. Out: limits up to any speed; how far a speed can change on a way.
 //!
 //! A bend takes k₂v² of the acceleration, k₃v³ of the jerk and k₄v⁴ of its rate (M55): at a lower speed much
 //! less. So a stretch has limits of its own (M66) at each of a row of speeds Gₖ:
 //!
 //! ```text
-//! Gₖ = 2^(k/8) mm/s;  L(v): those of M66 at the least Gₖ ≥ v, or at the top speed of the stretch       (M179)
-//! reach(F) = max over k of the speed up to Gₖ that a way can join with F within L(Gₖ)                  (M180)
+//! Gₖ = 2^(k/8) mm/s;  L(v): those of M66 at the least Gₖ ≥ v, or at the top speed of the stretch      (M179)
+//! reach(F) = max over k of the speed up to Gₖ that a way can join with F within L(Gₖ)                 (M180)
 //! ```
 //! Limits fall as the speed rises, so those at the highest speed of a ramp hold all along it. Every row has
 //! the same speeds; stretches joined to one have the lower of both limits at each of them.
@@ -109,8 +109,8 @@ impl Allowance {
         junction_distance(a, b, &self.up_to(a.max(b)))
     }
 
-    /// Highest speed up to `cap` that a way of `length` mm can join with the speed `from` (M180), mm/s; `from`
-    /// if that is higher.
+    /// Highest speed up to `cap` that a way of `length` mm can join with the speed `from` (M180), mm/s;
+    /// `from` if that is higher.
     pub(super) fn reach(&self, from: f64, cap: f64, length: f64) -> f64 {
         let mut best = from;
         for k in (0..=self.place(from)).rev() {
@@ -125,8 +125,8 @@ impl Allowance {
         best
     }
 
-    /// The fastest law over `length` mm from the speed `start` to `end` with `cap` at most (M23), and the limits
-    /// that it keeps: those of its highest speed. `None` if there is none.
+    /// The fastest law over `length` mm from the speed `start` to `end` with `cap` at most (M23), and the
+    /// limits that it keeps: those of its highest speed. `None` if there is none.
     pub(super) fn block(&self, length: f64, start: f64, cap: f64, end: f64) -> Option<(FeedBlock, Limits)> {
         let least = start.max(end);
         let mut best: Option<(FeedBlock, Limits)> = None;

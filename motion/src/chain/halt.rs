@@ -10,7 +10,7 @@
 //! | T(e), d(a, b) | s, mm | duration of the fastest ramp by e (M21), way of that between two feeds (M22) |
 //!
 //! ```text
-//! t(v, r) = T(F − v) + (l − r − d(v, F))/F + r/v,  F = reach(v) on l − r                    from middle to tip
+//! t(v, r) = T(F − v) + (l − r − d(v, F))/F + r/v,  F = reach(v) on l − r                  from middle to tip
 //! stop, if Σ of both sides  t(v, r) > Σ of both sides  t(0, 0)                                     (M183)
 //! ```
 //! r/v grows with r^¼ where the jerk rate bounds v, and what the ramp saves with v ∝ r^¾: once rounding is

@@ -49,8 +49,8 @@ struct Groove {
 pub(super) struct Threads(Vec<Groove>);
 
 impl Threads {
-    /// Takes a pass, and how deep it goes if it touched the material. The depth of a tap is along its axis, and
-    /// is in its own report.
+    /// Takes a pass, and how deep it goes if it touched the material. The depth of a tap is along its axis,
+    /// and is in its own report.
     pub(super) fn take(&mut self, pass: &PassReport, finish: Option<Finish>) {
         let Some(Finish { surface_mm, reach_mm }) = finish.filter(|_| pass.tap.is_none()) else { return };
         let PassReport { start, lead_mm, tool, .. } = *pass;

@@ -36,8 +36,8 @@ impl Summary {
         self.passes.iter().filter(|pass| pass.tap.is_none())
     }
 
-    /// How far the turned threads are off at the tool, µm: a pass from its helix, less its mean; passes of one
-    /// groove and starts of one thread from each other; the depth at most, and from end to end.
+    /// How far the turned threads are off at the tool, µm: a pass from its helix, less its mean; passes of
+    /// one groove and starts of one thread from each other; the depth at most, and from end to end.
     pub fn at_the_tool(&self) -> [f64; 4] {
         let touched = self.turned().filter(|pass| pass.tool.contact_deg > 0.0);
         let helix = touched.map(|pass| pass.tool.helix_max_abs_um).fold(0.0, f64::max);

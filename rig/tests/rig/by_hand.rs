@@ -1,5 +1,5 @@
-//! Work by hand: jogs that are let go, or whose sender falls silent, in every cycle round their borders; blocks
-//! that begin where the machine is, and nowhere else.
+//! Work by hand: jogs that are let go, or whose sender falls silent, in every cycle round their borders;
+//! blocks that begin where the machine is, and nowhere else.
 
 use machine::Machine;
 use protocol::{
@@ -52,8 +52,8 @@ fn session(blocks: impl IntoIterator<Item = Vec<Code>>) -> Vec<Item> {
     codes.chain([Code::End]).map(|code| Item { line: 1, code }).collect()
 }
 
-/// The fastest jog of Z that may go on while a key is pressed, mm/min, as the panel offers it: it brakes within
-/// 50 ms.
+/// The fastest jog of Z that may go on while a key is pressed, mm/min, as the panel offers it: it brakes
+/// within 50 ms.
 fn fastest(machine: &Machine) -> f64 {
     let config = &machine.axis[&Axis::Z];
     let soon = |v: f64| motion::Exit::stop_s(v, 0.0, &config.limits()) <= 0.05;
@@ -175,7 +175,8 @@ fn a_jog_that_is_let_go_stands_sooner_and_its_end_may_be_the_end_of_travel() {
     }
 }
 
-/// Hold, stop, abort and emergency stop in every cycle round the beginning of a jog, its even part and its end.
+/// Hold, stop, abort and emergency stop in every cycle round the beginning of a jog, its even part and its
+/// end.
 #[test]
 fn what_is_pressed_in_a_jog_brings_it_to_rest_in_any_cycle() {
     let machine = Machine::default();
@@ -227,7 +228,8 @@ fn a_block_begins_where_the_machine_is_or_not_at_all() {
     assert!(bad.z.last().is_some_and(|[at, ..]| (*at - (z - 5.0)).abs() < 1e-9), "nothing has moved");
 }
 
-/// Nobody gives a block: the machine waits for ever, and stop ends it. What is typed before it waits is not lost.
+/// Nobody gives a block: the machine waits for ever, and stop ends it. What is typed before it waits is not
+/// lost.
 #[test]
 fn the_machine_waits_for_a_block_and_a_stop_ends_the_session() {
     let machine = Machine::default();

@@ -1,4 +1,5 @@
-//! Work by hand: what is refused and why, jogs whose panel dies, sessions that are repeated from their folders.
+//! Work by hand: what is refused and why, jogs whose panel dies, sessions that are repeated from their
+//! folders.
 
 use rig::observe::{Outcome, Summary};
 use serde_json::{Value, json};

@@ -188,8 +188,8 @@ fn a_pause_waits_for_start_and_a_hold_for_whoever_pressed_it() {
     is_repeated(&place, "run", &summary);
 }
 
-/// Where the index goes by in a pass the groove is seen: one lead of 2 mm from turn to turn. Where a block leads,
-/// what is left of the program, and the pass in hand are known meanwhile.
+/// Where the index goes by in a pass the groove is seen: one lead of 2 mm from turn to turn. Where a block
+/// leads, what is left of the program, and the pass in hand are known meanwhile.
 #[test]
 fn what_is_to_come_and_the_groove_are_seen() {
     let place = Place::new();
