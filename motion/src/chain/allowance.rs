@@ -1,5 +1,5 @@
-//! What the bends of a stretch leave to changes of feed, by the speed at which they are passed. In: limits
-//! of s at some speeds, mm/sⁿ. Out: limits up to any speed; how far a speed can change on a way.
+//! What the bends of a stretch leave to changes of feed, by the speed at which they are passed. In: limits of
+//! s at some speeds, mm/sⁿ. Out: limits up to any speed; how far a speed can change on a way.
 //!
 //! A bend takes k₂v² of the acceleration, k₃v³ of the jerk and k₄v⁴ of its rate (M55): at a lower speed much
 //! less. So a stretch has limits of its own (M66) at each of a row of speeds Gₖ:

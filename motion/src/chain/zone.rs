@@ -6,10 +6,11 @@
 //! | k₁ … k₄ | 1/mmⁿ⁻¹ | bounds of \|p₁\| … \|p₄\| of one axis over the stretch; K₂, K₃ those of all axes together |
 //! | v | mm/s | a speed, at most that which may be asked for, and what the bends allow |
 //! | A′, J′, D′ | mm/sⁿ | what the bends leave of the limits of an axis at that speed |
+//! | ε, T | mm, s | chord error of a cycle, its time |
 //! | x, f, g | – | how far a pulse of jerk has come, 0 … 1; its acceleration and jerk, as shares of their peaks |
 //!
 //! ```text
-//! v ≤ V/k₁,  v² ≤ βA/k₂,  v³ ≤ βJ/k₃,  v⁴ ≤ βD/k₄,  β = 0.6;  v² ≤ 8 ε/|k₂| T²   ε: chord error of a cycle T
+//! v ≤ V/k₁,  v² ≤ βA/k₂,  v³ ≤ βJ/k₃,  v⁴ ≤ βD/k₄,  β = 0.6;  v² ≤ 8 ε/|k₂| T²
 //! A′ = A − k₂v²,  J′ = J − k₃v³,  D′ = D − k₄v⁴
 //! a ≤ A′/k₁,  3K₂va ≤ 0.8 J′,  3K₂a² + 6K₃v²a ≤ 0.6 D′,  4K₂vj ≤ 0.3 D′         the least J′, D′ of all axes
 //! j ≤ (J′ − 0.66 · 3k₂va)/k₁
@@ -83,8 +84,8 @@ impl<const N: usize> Bend<N> {
         self
     }
 
-    /// Limits of s at every speed (M66, M179); `asked` is the highest feed that can be asked for,
-    /// `chord_v2` = 8 ε/T².
+    /// Limits of s at every speed (M66, M179); `asked` is the highest feed that can be asked for, `chord_v2`
+    /// = 8 ε/T².
     pub(super) fn allowance(&self, axes: &[Limits; N], asked: f64, chord_v2: f64) -> Allowance {
         let v = self.top(axes, asked, chord_v2);
         if self.0[1..].iter().flatten().all(|k| *k == 0.0) {
