@@ -71,7 +71,7 @@ impl Translator {
         let units = self.modal.frame.units;
         let message = format!("the tap stands {} beside the axis of the spindle", units.length(x_mm.abs()));
         let help = "go to X0 before it";
-        self.output.report(place, Problem::warning("tap-off-axis", Blame::Block, message, help));
+        self.output.report(place, *Problem::warning("tap-off-axis", Blame::Block, message, help));
     }
 
     /// One tap from where the tool rests, which it comes back to.

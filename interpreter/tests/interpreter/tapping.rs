@@ -89,3 +89,19 @@ fn what_makes_a_tap_leave_is_said_as_in_a_thread() {
     let tap = taps(&lathe("(on_hold, leave)\n(on_stop, finish)\nG33.1 Z-20 K1.25"))[0];
     assert!(tap.out.on(WayOut::ON_HOLD) && !tap.out.on(WayOut::ON_STOP));
 }
+
+/// Beside the axis of a lathe a tap breaks, and a gauge has nothing to judge on a tap.
+#[test]
+fn a_tap_beside_the_axis_and_a_gauge_for_taps_are_warned_of() {
+    let warned = |text: &str| -> Vec<&'static str> {
+        let check = check("test.ngc", text, &Machine::default());
+        assert!(check.is_good(), "{:#?}", check.diagnostics);
+        check.diagnostics.iter().map(|one| one.code).collect()
+    };
+    let tap = |head: &str, x: f64| {
+        warned(&format!("G18 G21 G90 G8 G97\n{head}\nM3 S400\nG0 X{x} Z6\nG33.1 Z-20 K1.25\nM2\n"))
+    };
+    assert_eq!(tap("", 0.0), [""; 0]);
+    assert_eq!(tap("", 10.0), ["tap-off-axis"]);
+    assert_eq!(tap("(thread, M8x1.25-6H)", 0.0), ["gauge-differs"]);
+}

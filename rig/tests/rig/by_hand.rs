@@ -171,7 +171,10 @@ fn a_jog_that_is_let_go_stands_within_150_ms_and_its_end_may_be_the_end_of_trave
         is_smooth(&machine, &seen.z);
         let stands = stands_from(&seen.z);
         // While it speeds up, its pulse is finished first.
-        assert!(stands <= last.max(begins + 1) + SILENT, "{case}: let go in {last}, it stands from {stands} on");
+        assert!(
+            stands <= last.max(begins + 1) + SILENT,
+            "{case}: let go in {last}, it stands from {stands} on"
+        );
         latest = latest.max(stands.saturating_sub(last));
         assert_eq!((seen.states.last(), seen.fault), (Some(&MachineState::ByHand), 0), "{case}");
         assert!(seen.z.last().is_some_and(|[at, ..]| (near - 1e-6..=high).contains(at)), "{case}");
