@@ -11,7 +11,7 @@ use super::pages::{cells, examples, page, project, quoted};
 /// Functions that take the code of a diagnostic first.
 const MAKERS: [&str; 4] = ["Problem::error(", "Problem::warning(", "error_here(", "error_from("];
 /// Codes that no short program leads to; what does so is told in words.
-const WITHOUT_EXAMPLE: [&str; 12] = [
+const WITHOUT_EXAMPLE: [&str; 13] = [
     "bad-file",
     "bad-startup",
     "cut-after-thread",
@@ -23,6 +23,7 @@ const WITHOUT_EXAMPLE: [&str; 12] = [
     "no-spindle",
     "output",
     "stock-unknown",
+    "too-long",
     "unreadable",
 ];
 
