@@ -6,9 +6,8 @@
 //! lengths, a Lissajous curve in space, an involute gear, a trochoid, lines over a triangle mesh, strokes
 //! like letters, a zigzag. Chords lie within so many micrometres of their curve.
 //!
-//! A second table has the least time within the same limits on the path that the chain makes of the lines
-//! where it rounds every corner (`optimum/mod.rs`), from grids of two steps, and how many times longer the
-//! chain takes, which stops where that is faster.
+//! A second table has the least time within the same limits on the very path that the chain makes of the
+//! lines (`optimum/mod.rs`), from grids of two steps, and how many times longer the chain takes.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::{PI, TAU};
@@ -238,8 +237,7 @@ fn planned(blocks: &[Block<3, ()>], axes: [Limits; 3], cycle_s: f64) -> f64 {
     }
 }
 
-/// Prints how much of the time the limits of the axes ask for on the path of the chain with all corners
-/// rounded.
+/// Prints how much of the time the limits of the axes ask for on the very path that the chain goes.
 fn beside_the_least(name: &str, points: &[Point], machine: &Machine) {
     let limits = machine.limits();
     let axes = [protocol::Axis::X, protocol::Axis::Y, protocol::Axis::Z].map(|axis| limits[axis.index()]);
