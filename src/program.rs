@@ -311,16 +311,14 @@ impl Fit<'_> {
             Code::Arc { arc, .. } if !machine.can_turn(at, arc) => {
                 "an arc that leaves its travel, or that is not an arc"
             }
-            Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => {
-                *at = *target;
+            Code::Line { target: to, .. }
+            | Code::Arc { arc: Arc { target: to, .. }, .. }
+            | Code::ByHand(ByHand::Begins { at: to, .. }) => {
+                *at = *to;
                 return None;
             }
             Code::Pass(pass) => {
                 machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
-                return None;
-            }
-            Code::ByHand(ByHand::Begins { at: here, .. }) => {
-                *at = *here;
                 return None;
             }
             Code::Output { .. } | Code::Await { .. } => {

@@ -198,7 +198,10 @@ pub fn arrivals(bytes: &[u8]) {
     let Ok(text) = str::from_utf8(bytes) else { return };
     match Arrivals::from_text(text) {
         Ok(arrivals) if arrivals.gap.is_none() => {
-            assert_eq!(Arrivals::from_text(&arrivals.text()).as_ref(), Ok(&arrivals));
+            // It is written by this version, whoever wrote what was read.
+            let again = Arrivals::from_text(&arrivals.text());
+            let by = again.as_ref().ok().and_then(|again| again.by.clone());
+            assert_eq!(again, Ok(Arrivals { by, ..arrivals }));
         }
         Ok(_) => {}
         Err(refused) => assert!(refused.starts_with("line "), "{refused}"),

@@ -85,8 +85,11 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut interrupts = Some(Interrupts::catch()?);
     let mut live = Live::open(asked, quiet)?;
-    let hint =
-        if loaded { format!("{name} is loaded; start starts it") } else { "by-hand switches it on".into() };
+    let hint = if loaded {
+        format!("{name} is loaded; start starts it")
+    } else {
+        "switch it on, to work by hand".into()
+    };
     let mut said = hint.clone();
     if loaded {
         let shown = json!({ "program": { "name": name, "text": intake::text(&program, MOST_TEXT).ok() } });

@@ -214,7 +214,7 @@ fn a_run_that_is_another_one_is_told_where_and_one_without_its_record_is_refused
         Some(format!("{text}incomplete 3 of what interpolator told\n")),
         "has a gap: 3 of what interpolator told",
     );
-    refused(Some(format!("{text}12 drive-command/q due\n")), "line 4");
+    refused(Some(format!("{text}12 drive-command/q due\n")), "line 5");
     refused(None, "what reached its modules and when");
 }
 

@@ -195,7 +195,7 @@ impl Gauged {
         let why = if self.is_full {
             format!("the thread is too long for the gauge: more than {PLACES} places")
         } else if planned == 0 {
-            "the program turns no thread".into()
+            "the program cuts no thread".into()
         } else if low >= high {
             "the passes have no length of full thread in common".into()
         } else if self.other_side && self.begun > 0 {
