@@ -18,8 +18,7 @@ use crate::{error::CliError, repeated, screen, words::Phase};
 pub(crate) struct Program {
     /// The dialect that it was read in.
     pub(crate) dialect: &'static str,
-    /// How many items of machine code there are, what they count in the progress of a run, and how many of
-    /// them are moves.
+    /// Items of machine code, what they count in the progress of a run, and moves among them.
     pub(crate) count: u64,
     pub(crate) steps: u64,
     pub(crate) moves: u64,
