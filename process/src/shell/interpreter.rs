@@ -23,7 +23,7 @@ use interpreter::{Interpreter, open};
 pub struct InterpreterArgs {
     /// Part program (G-code), job (`.toml`), or machine code made by `pitchlock compile` (`.mc`).
     pub program: PathBuf,
-    /// Items come one by one from standard input, as [`Given`] reads them, and the program is none.
+    /// Items come one by one from standard input, as `Given` reads them, and the program is none.
     #[arg(long)]
     pub by_hand: bool,
     /// How it is read.
