@@ -64,6 +64,15 @@ fn fastest(machine: &Machine) -> f64 {
     60.0 * v
 }
 
+/// A session of one jog: Z at its fastest from home towards the low end of its travel.
+fn jog_of_z(machine: &Machine) -> Vec<Item> {
+    let home = begins(machine);
+    let [x, _] = x_z(&home);
+    let low = machine.axis[&Axis::Z].travel_mm[0];
+    let line = Code::Line { target: at(x, low), feed: Feed::PerMinute(fastest(machine)) };
+    session([block(home, true, &[line])])
+}
+
 /// What is seen of Z in a run of so many cycles with these presses.
 struct Seen {
     /// Commanded position, speed, acceleration, jerk.
@@ -122,11 +131,7 @@ fn stands_from(z: &[[f64; 4]]) -> u64 {
 #[test]
 fn a_jog_whose_sender_falls_silent_stands_within_150_ms() {
     let machine = Machine::default();
-    let home = begins(&machine);
-    let [x, _] = x_z(&home);
-    let low = machine.axis[&Axis::Z].travel_mm[0];
-    let line = Code::Line { target: at(x, low), feed: Feed::PerMinute(fastest(&machine)) };
-    let items = session([block(home, true, &[line])]);
+    let items = jog_of_z(&machine);
     let mut latest = 0;
     // Round the moments at which it begins, has its speed, and goes on evenly.
     for last in (GIVEN + 1..GIVEN + 80).chain((GIVEN + 80..GIVEN + 400).step_by(13)) {
@@ -187,11 +192,7 @@ fn a_jog_that_is_let_go_stands_within_150_ms_and_its_end_may_be_the_end_of_trave
 #[test]
 fn what_is_pressed_in_a_jog_brings_it_to_rest_in_any_cycle() {
     let machine = Machine::default();
-    let home = begins(&machine);
-    let [x, _] = x_z(&home);
-    let low = machine.axis[&Axis::Z].travel_mm[0];
-    let line = Code::Line { target: at(x, low), feed: Feed::PerMinute(fastest(&machine)) };
-    let items = session([block(home, true, &[line])]);
+    let items = jog_of_z(&machine);
     let ends = GIVEN + 240;
     for request in [Request::FeedHold, Request::Stop, Request::Abort, Request::EmergencyStop] {
         for cycle in (GIVEN + 1..GIVEN + 40).chain(ends - 6..ends + 40) {
