@@ -232,10 +232,10 @@ impl Prepared {
             processes::run(&setup, caught, live.as_deref_mut())?
         };
         let given = live.as_mut().and_then(|live| live.given());
+        let mut kept = Ok(());
         if let Some((items, outlasting)) = given {
             setup.folder.holds_what_was_given(items, &setup.machine)?;
-            let kept = keeps.as_ref().map(|keeps| keeps.what_was_set(&outlasting)).transpose();
-            kept.map(drop).unwrap_or_else(|error| words::say(&format!("error: {error}\n")));
+            kept = keeps.as_ref().map_or(Ok(()), |keeps| keeps.what_was_set(&outlasting));
         }
         summary.files.clone_from(&setup.folder.hashes);
         summary.program_warnings = setup.program.warnings();
@@ -248,7 +248,8 @@ impl Prepared {
         if live.is_none_or(|live| live.ends_with_its_run) {
             drop(interrupts.take());
         }
-        let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
+        let left = || keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
+        let kept = kept.and_then(|()| left());
         let drawing = Phase::begin(DRAWING);
         let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
         drop(drawing);
