@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, fmt::Write as _};
 
 use protocol::Axis;
 use rig::observe::{
-    FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, ServoError, Summary, TapReport, WorkKind,
+    FaultReport, Outcome, PassEnd, PassReport, ProgramWarning, ServoError, Summary, WorkKind,
 };
 
 use crate::words::counted;
@@ -118,24 +118,16 @@ fn changed<'a>(
 
 /// Taps by their farthest error on each part of the way.
 fn taps(text: &mut String, summary: &Summary) {
-    let taps: Vec<TapReport> = summary.taps().map(|(_, tap)| *tap).collect();
-    if taps.is_empty() {
-        return;
-    }
-    let worst = |of: fn(&TapReport) -> f64| taps.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-    let (short, deeper) = (worst(|tap| tap.short_um), worst(|tap| -tap.short_um));
+    let Some(([inwards, turn, out], [least, most])) = summary.taps_at_worst() else { return };
     let depth = match () {
-        () if deeper > 0.0 => format!("at most {deeper:.1} µm deeper than programmed"),
-        () if (short + deeper).abs() < 0.05 => format!("{short:.1} µm short of the depth"),
-        () => format!("{:.1} to {short:.1} µm short of the depth", -deeper),
+        () if least < 0.0 => format!("at most {:.1} µm deeper than programmed", -least),
+        () if most - least < 0.05 => format!("{most:.1} µm short of the depth"),
+        () => format!("{least:.1} to {most:.1} µm short of the depth"),
     };
     let _ = writeln!(
         text,
-        "tap       {}: off the helix at most {:.2} µm on the way in, {:.2} µm while the spindle turns round, {:.2} µm on the way out; {depth}",
-        counted(taps.len() as u64, "tap", "taps"),
-        worst(|tap| tap.in_um),
-        worst(|tap| tap.turn_um),
-        worst(|tap| tap.out_um),
+        "tap       {}: off the helix at most {inwards:.2} µm on the way in, {turn:.2} µm while the spindle turns round, {out:.2} µm on the way out; {depth}",
+        counted(summary.taps().count() as u64, "tap", "taps"),
     );
 }
 
@@ -154,7 +146,7 @@ fn threads(text: &mut String, summary: &Summary) {
     }
     let worst = |of: fn(&PassReport) -> f64| summary.turned().map(of).fold(0.0, f64::max);
     let [helix, passes, depth, ends] = summary.at_the_tool();
-    let _ = match summary.touched().find(|pass| pass.tap.is_none()) {
+    let _ = match summary.touched_turning().next() {
         None => writeln!(text, "thread    the tool touched no material: nothing of it is judged"),
         Some(_) => writeln!(
             text,

@@ -39,20 +39,14 @@ fn of_tap(pass: &PassReport, of: fn(&TapReport) -> f64) -> String {
 
 /// How many there are, and the farthest off of each part of the way; nothing without a tap.
 pub(super) fn says(summary: &Summary, verdict: &mut Verdict) {
-    let worst = |of: fn(&TapReport) -> f64| summary.taps().map(|(_, tap)| of(tap)).reduce(f64::max);
-    let (Some(inwards), Some(turn), Some(out)) =
-        (worst(|tap| tap.in_um), worst(|tap| tap.turn_um), worst(|tap| tap.out_um))
-    else {
-        return;
-    };
-    let (Some(short), Some(deeper)) = (worst(|tap| tap.short_um), worst(|tap| -tap.short_um)) else { return };
+    let Some(([inwards, turn, out], [least, most])) = summary.taps_at_worst() else { return };
     let (taps, they) = match summary.taps().count() {
         1 => ("One tap was cut".to_owned(), "It"),
         n => (format!("{n} taps were cut"), "They"),
     };
-    let depth = match deeper > 0.0 {
-        true => format!("at most {} deeper than programmed", um(deeper)),
-        false => format!("at most {} short of the depth", um(short)),
+    let depth = match least < 0.0 {
+        true => format!("at most {} deeper than programmed", um(-least)),
+        false => format!("at most {} short of the depth", um(most)),
     };
     verdict.say(
         Grade::Good,
@@ -75,7 +69,7 @@ pub(super) fn says(summary: &Summary, verdict: &mut Verdict) {
 
 /// The farthest of all from its helix; `None` without a tap.
 pub(super) fn worst_um(summary: &Summary) -> Option<f64> {
-    summary.taps().map(|(_, tap)| tap.in_um.max(tap.turn_um).max(tap.out_um)).reduce(f64::max)
+    summary.taps_at_worst().map(|(off, _)| off.into_iter().fold(0.0, f64::max))
 }
 
 /// A row for each.

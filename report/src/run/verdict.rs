@@ -139,8 +139,7 @@ fn threads(summary: &Summary, verdict: &mut Verdict) {
 
 /// What the tool did in the material.
 fn at_the_tool(summary: &Summary, verdict: &mut Verdict) {
-    let touched = summary.touched().filter(|pass| pass.tap.is_none());
-    let numbers = touched.map(|pass| pass.pass).collect::<BTreeSet<_>>().len();
+    let numbers = summary.touched_turning().map(|pass| pass.pass).collect::<BTreeSet<_>>().len();
     let off = summary.at_the_tool();
     let [helix, passes, depth, ends] = off.map(um);
     let count = match numbers {

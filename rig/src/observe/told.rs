@@ -36,11 +36,28 @@ impl Summary {
         self.passes.iter().filter(|pass| pass.tap.is_none())
     }
 
+    /// Of all taps, µm: how far they are off their helix at most on the way in, while the spindle turns
+    /// round and on the way out; and how much they are short of their depth, least and most. `None` without
+    /// a tap.
+    pub fn taps_at_worst(&self) -> Option<([f64; 3], [f64; 2])> {
+        let each = self.taps().map(|(_, tap)| ([tap.in_um, tap.turn_um, tap.out_um], [tap.short_um; 2]));
+        each.reduce(|(off, [least, most]), (other, [short, _])| {
+            (
+                std::array::from_fn(|part| f64::max(off[part], other[part])),
+                [least.min(short), most.max(short)],
+            )
+        })
+    }
+
+    /// The turned passes whose tool was in the material while it had to be on the helix.
+    pub fn touched_turning(&self) -> impl Iterator<Item = &PassReport> {
+        self.touched().filter(|pass| pass.tap.is_none())
+    }
+
     /// How far the turned threads are off at the tool, µm: a pass from its helix, less its mean; passes of
     /// one groove and starts of one thread from each other; the depth at most, and from end to end.
     pub fn at_the_tool(&self) -> [f64; 4] {
-        let touched = self.turned().filter(|pass| pass.tool.contact_deg > 0.0);
-        let helix = touched.map(|pass| pass.tool.helix_max_abs_um).fold(0.0, f64::max);
+        let helix = self.touched_turning().map(|pass| pass.tool.helix_max_abs_um).fold(0.0, f64::max);
         let thread = &self.thread;
         let passes = thread.tool_phase_spread_um.max(thread.tool_start_spread_um);
         [helix, passes, thread.tool_depth_off_um.abs(), thread.tool_depth_um]
