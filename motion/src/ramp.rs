@@ -174,13 +174,15 @@ impl Ramp {
     pub fn peak_jerk(dv: f64, limits: &Limits) -> (f64, Binding) {
         limits.check();
         let by_a = (2.0 * limits.a * (limits.dj / PI)).sqrt();
-        let by_dv = libm::cbrt(2.0 * dv.abs() * (limits.dj / PI) * (limits.dj / PI));
-        if limits.j <= by_a && limits.j <= by_dv {
+        let cube = 2.0 * dv.abs() * (limits.dj / PI) * (limits.dj / PI);
+        // Cubes are compared: most ramps of a look-ahead are not bound by the jerk rate and need no root.
+        let within = |bound: f64| bound * bound * bound <= cube;
+        if limits.j <= by_a && within(limits.j) {
             (limits.j, Binding::Jerk)
-        } else if by_a <= by_dv {
+        } else if within(by_a) {
             (by_a, Binding::AccelerationAndJerkRate)
         } else {
-            (by_dv, Binding::JerkRate)
+            (libm::cbrt(cube), Binding::JerkRate)
         }
     }
 

@@ -211,7 +211,9 @@ impl Sections {
 /// below the entry: (F − e/2) T(e) rises with e, then falls.
 fn hard_entry(exit: f64, top: f64, length: f64, limits: &Limits) -> f64 {
     let entry = reach(exit, top, length, limits);
-    if entry < top { entry.max(reach(0.0, top, length, limits)) } else { entry }
+    // One way tells whether the search for it can be of use.
+    let stop_is_nearer = exit > 0.0 && entry < top && junction_distance(0.0, entry, limits) < length;
+    if stop_is_nearer { entry.max(reach(0.0, top, length, limits)) } else { entry }
 }
 
 /// Two neighbours as one section.
