@@ -259,9 +259,14 @@ impl Block {
         moves && self.m_present == 0 && self.comment.is_none()
     }
 
+    /// Whether it has a word or a code.
+    pub(crate) fn has_words(&self) -> bool {
+        self.present != 0 || self.g_present != 0 || self.m_present != 0
+    }
+
     /// Whether it has no words, codes or comment.
     pub(crate) fn is_empty(&self) -> bool {
-        self.present == 0 && self.g_present == 0 && self.m_present == 0 && self.comment.is_none()
+        !self.has_words() && self.comment.is_none()
     }
 
     /// The bytes of the line that `blame` means.

@@ -93,7 +93,7 @@ impl Modal {
         let shifts = machine.general.kinematics.axes(&scaled).map(Position::from_mm);
         let lacks = |axis: &Axis| !machine.axis.contains_key(axis) && shifts[axis.index()] != Position(0);
         match Axis::ALL.into_iter().find(lacks) {
-            Some(axis) => Err(no_axis(machine, axis, shifts[axis.index()].mm())),
+            Some(axis) => Err(no_axis(machine, axis)),
             None => Ok(scaled),
         }
     }

@@ -77,7 +77,7 @@ pub(crate) fn letter(axis: Axis) -> char {
 pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame) -> Done {
     let Some(config) = machine.axis.get(&axis) else {
         let is_origin = Position::from_mm(at) == Position(0);
-        return if is_origin { Ok(()) } else { Err(no_axis(machine, axis, at)) };
+        return if is_origin { Ok(()) } else { Err(no_axis(machine, axis)) };
     };
     let [low, high] = config.travel_mm;
     if (low..=high).contains(&at) {
@@ -97,15 +97,15 @@ pub(crate) fn within_travel(machine: &Machine, axis: Axis, at: f64, blame: Blame
     Err(Problem::error("travel-limit", blame, message, help))
 }
 
-/// The machine is asked for an axis that it does not have; `at` in mm or degrees.
-pub(crate) fn no_axis(machine: &Machine, axis: Axis, at: f64) -> Box<Problem> {
+/// The machine is asked for an axis that it does not have.
+pub(crate) fn no_axis(machine: &Machine, axis: Axis) -> Box<Problem> {
     let kind = match machine.general.kinematics {
         Kinematics::Lathe => "lathe",
         Kinematics::Mill => "mill",
         Kinematics::Positioner => "positioner",
     };
     let axes: Vec<String> = machine.axes().map(|(axis, _)| axis.to_string()).collect();
-    let message = format!("this {kind} has no axis {axis} (it would be at {} {})", short(at), axis.unit());
+    let message = format!("this {kind} has no axis {axis}, which would leave its zero here");
     let help = format!("its axes are {}: leave the word out", axes.join(", "));
     Problem::error("no-such-axis", Blame::Word(letter(axis)), message, help)
 }

@@ -62,6 +62,19 @@ impl Place {
         format!("{}, {}: {}", self.module_name(), self.message, named(&self.path))
     }
 
+    /// The unit of the field, as its name or its type says it; nothing for a number that has none.
+    pub(super) fn unit(&self) -> &'static str {
+        let is_field = |word: &&str| word.parse::<usize>().is_err();
+        let name = self.path.split('.').rfind(is_field).unwrap_or_default();
+        let units = UNITS.iter().filter(|(ending, _)| name.ends_with(ending));
+        units.max_by_key(|(ending, _)| ending.len()).map_or("", |(_, unit)| unit)
+    }
+
+    /// The value of a run with its unit.
+    pub(super) fn told(&self, run: usize) -> String {
+        format!("{} {}", self.values[run], self.unit()).trim_end().to_owned()
+    }
+
     fn module_name(&self) -> String {
         self.module.map_or_else(|| "sim-plant".into(), Module::name)
     }
@@ -74,6 +87,28 @@ impl Place {
         value.parse().ok()
     }
 }
+
+/// How names of fields end, and the units that they mean.
+const UNITS: [(&str, &str); 18] = [
+    ("_mm", "mm"),
+    ("_mm2", "mm²"),
+    ("_mm_s", "mm/s"),
+    ("_mm_s2", "mm/s²"),
+    ("_mm_s3", "mm/s³"),
+    ("_mm_min", "mm/min"),
+    ("_deg", "degrees"),
+    ("_rpm", "1/min"),
+    ("_pct", "%"),
+    ("_s", "s"),
+    ("_n", "N"),
+    ("_nm", "N m"),
+    ("_count", "counts"),
+    ("_counts", "counts"),
+    ("cycle", "control cycles"),
+    ("not_before", "control cycles"),
+    ("position", "nm (1e-9 degrees of a rotary axis)"),
+    ("target", "nm (1e-9 degrees of a rotary axis)"),
+];
 
 /// A path with the letters of axes for their numbers.
 fn named(path: &str) -> String {
@@ -209,9 +244,9 @@ pub(crate) fn diff(args: &DiffArgs, quiet: bool) -> Result<ExitCode, CliError> {
         place.cycle as f64 * runs[0].machine.general.cycle_s,
         place.field(),
         runs[0].name,
-        place.values[0],
+        place.told(0),
         runs[1].name,
-        place.values[1],
+        place.told(1),
     );
     let page = picture::page(&runs, &place)?;
     written::put(&args.output, page)?;
@@ -268,5 +303,31 @@ fn inputs(runs: &[Recorded; 2]) -> String {
     match changed_inputs(runs).as_slice() {
         [] => "inputs    the same\n".into(),
         names => format!("inputs    that differ: {}\n", names.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_has_the_unit_that_its_name_says() {
+        let unit = |path: &str| {
+            let values = ["1".into(), "2".into()];
+            let place = Place { cycle: 0, module: None, message: "truth", path: path.into(), values };
+            (place.unit(), place.told(1))
+        };
+        for (path, is, told) in [
+            ("axes.2.slide_mm", "mm", "2 mm"),
+            ("axes.0.velocity_mm_s", "mm/s", "2 mm/s"),
+            ("cut.area_mm2", "mm²", "2 mm²"),
+            ("axes.1.torque_nm", "N m", "2 N m"),
+            ("setpoint.position", UNITS[16].1, "2 nm (1e-9 degrees of a rotary axis)"),
+            ("target.2", UNITS[17].1, "2 nm (1e-9 degrees of a rotary axis)"),
+            ("measurement.panel.buttons", "", "2"),
+            ("", "", "2"),
+        ] {
+            assert_eq!(unit(path), (is, told.to_owned()), "{path}");
+        }
     }
 }

@@ -52,7 +52,7 @@ pub(super) fn page(runs: &[Recorded; 2], place: &Place) -> Result<String, CliErr
             &place.field(),
             place,
             &data,
-            &place.path,
+            place.unit(),
             "The field in which the runs differ first.",
         ));
     }
@@ -70,8 +70,8 @@ pub(super) fn page(runs: &[Recorded; 2], place: &Place) -> Result<String, CliErr
         h1 { (title) }
         p { "They differ first in cycle " (place.cycle) ": " (place.field()) "." }
         table {
-            tr { th { (runs[0].name) } td { (place.values[0]) } }
-            tr { th { (runs[1].name) } td { (place.values[1]) } }
+            tr { th { (runs[0].name) } td { (place.told(0)) } }
+            tr { th { (runs[1].name) } td { (place.told(1)) } }
         }
         (pictures(&figures, 1))
     };

@@ -138,7 +138,7 @@ fn what_follows_from_one_cause_is_told_once_with_its_count() {
     let answer = place.ask(&["check", "mill.ngc"]);
     assert!(answer.stdout.starts_with("2 errors, "), "{}", answer.stdout);
     assert!(
-        answer.stderr.contains("Y (it would be at 1 mm) (and 2 times more, up to line 4)"),
+        answer.stderr.contains("Y, which would leave its zero here (and 2 times more, up to line 4)"),
         "{}",
         answer.stderr
     );

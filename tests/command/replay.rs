@@ -256,8 +256,10 @@ fn two_runs_are_compared_message_by_message() {
     assert!(!place.at("diff.html").exists(), "nothing to draw");
     let other = place.ask(&["diff", "one", "slower", "-o", "other.html"]);
     assert_eq!(other.status, Some(1), "{}", other.stderr);
-    let words = "first in cycle 3000 (1.5000 s), sim-plant, truth: measurement.panel.spindle_override_pct\n  one: 100.0\n  slower: 90.0";
+    let words = "first in cycle 3000 (1.5000 s), sim-plant, truth: measurement.panel.spindle_override_pct\n  one: 100.0 %\n  slower: 90.0 %";
     assert!(other.stdout.contains(words), "{}", other.stdout);
+    let page = std::fs::read_to_string(place.at("other.html")).expect("it was drawn");
+    assert!(page.contains("<td>90.0 %</td>") && page.contains(r#""text":"%""#), "units in the page");
     assert!(other.stdout.contains("that differ: scenario"), "{}", other.stdout);
     let document = |arguments: &[&str], status| -> serde_json::Value {
         let answer = place.ask(arguments);

@@ -111,6 +111,8 @@ fn words_used(block: &Block, motion: Option<G>) -> Done {
 
 fn unused(letter: char, motion: Option<G>) -> Box<Problem> {
     let blame = Blame::Word(letter);
+    // A second slide would have to be a seventh axis of every point: of offsets, tools, parameters, calls and
+    // printed canon, and of the wires, which have six places and two axes of positioners.
     if letter_bit(letter) & UVW != 0 {
         let message = format!("the axis {letter} is not available: no machine here has secondary axes");
         let help = "axes are X, Y, Z, A, B and C; under G91 X, Y and Z count from where the tool stands";

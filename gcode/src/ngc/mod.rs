@@ -178,6 +178,7 @@ impl Control {
             return Err(Problem::error("not-available", Blame::M(code), message, help));
         }
         execute::execute(&self.block, state, out)?;
+        self.flow.begun = self.flow.begun || self.block.has_words();
         let mut run = Run { words: &mut self.words, state, out };
         if run.state.progress.ended {
             return self.flow.check_ends_exist(&mut run);

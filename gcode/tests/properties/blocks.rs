@@ -89,6 +89,7 @@ pub(crate) const LINUXCNC: &[&str] = &[
     "G7|X7",
     "G8|G90 G91 G20 G21 G17 G18 G19 G90.1 G91.1 X8",
     "S400|F30",
+    "o2",
 ];
 
 pub(crate) const FANUC: &[&str] = &[

@@ -24,11 +24,14 @@ impl Said {
         let text = text.trim();
         let ends = |c: char| !(c.is_alphanumeric() || c == '_');
         let (word, rest) = text.split_at(text.find(ends).unwrap_or(text.len()));
-        if !word.eq_ignore_ascii_case(WORD) {
+        if word.eq_ignore_ascii_case(WORD) {
+            self.0 = Some(read(rest)?);
             return Ok(());
         }
-        self.0 = Some(read(rest)?);
-        Ok(())
+        match nearly(text) {
+            Some(word) => wrong(format!("{word:?} is no word that changes the speed")),
+            None => Ok(()),
+        }
     }
 
     /// The variation in force.
@@ -42,13 +45,33 @@ pub(crate) fn top_share(variation: Option<Variation>) -> f64 {
     1.0 + variation.map_or(0.0, |variation| variation.share)
 }
 
+fn wrong<T>(message: String) -> Result<T, Box<Problem>> {
+    let help = "write (speed_variation, sine, 20, 4): shape (sine, triangle, random), per cent of the speed to \
+                either side, period in revolutions; or (speed_variation, off)";
+    Err(Problem::error("bad-value", Blame::Block, message, help))
+}
+
+/// What is meant for the word but is not it: `speed variation`, `Speed-Variations` in front of a comma, a colon,
+/// an equals sign, or of what it may be. A remark that mentions the two words is none.
+fn nearly(text: &str) -> Option<&str> {
+    let joins = |c: char| c == ' ' || c == '_' || c == '-' || c == '\t';
+    let (first, behind) = text.split_at_checked("speed".len())?;
+    let second = behind.trim_start_matches(joins);
+    let (second, rest) = second.split_at_checked("variation".len())?;
+    if !first.eq_ignore_ascii_case("speed") || !second.eq_ignore_ascii_case("variation") {
+        return None;
+    }
+    let rest = rest.strip_prefix(['s', 'S']).unwrap_or(rest);
+    let word = &text[..text.len() - rest.len()];
+    let next = rest.trim_start_matches(joins);
+    let next = &next[..next.find(|c: char| !c.is_alphanumeric()).unwrap_or(next.len())];
+    let is_value = |name: &str| next.eq_ignore_ascii_case(name);
+    let says = is_value("off") || VariationShape::ALL.into_iter().any(|shape| is_value(shape.name()));
+    (says || rest.trim_start().starts_with([',', ':', '='])).then_some(word)
+}
+
 /// What stands behind the word: a comma, and a shape with its two numbers, or `off`.
 fn read(rest: &str) -> Result<Option<Variation>, Box<Problem>> {
-    let wrong = |message: String| {
-        let help = "write (speed_variation, sine, 20, 4): shape (sine, triangle, random), per cent of the speed to \
-                    either side, period in revolutions; or (speed_variation, off)";
-        Err(Problem::error("bad-value", Blame::Block, message, help))
-    };
     let Some(told) = rest.trim().strip_prefix(',') else {
         return wrong(match rest.trim() {
             "" => format!("{WORD} does not say what it wants"),
@@ -155,7 +178,9 @@ mod tests {
         for (text, shape, share, revolutions) in [
             ("speed_variation, triangle, 30, 4", VariationShape::Triangle, 0.3, 4.0),
             ("a remark on speed_variation, off", VariationShape::Triangle, 0.3, 4.0),
-            ("speed_variations, off", VariationShape::Triangle, 0.3, 4.0),
+            ("speed variation is for chatter, off by default", VariationShape::Triangle, 0.3, 4.0),
+            ("speed variations of the old lathe", VariationShape::Triangle, 0.3, 4.0),
+            ("speed", VariationShape::Triangle, 0.3, 4.0),
             (" SPEED_VARIATION , Random, 12.5 ,10", VariationShape::Random, 0.125, 10.0),
         ] {
             said.comment(text).expect("it is a variation, or a remark");
@@ -181,6 +206,11 @@ mod tests {
             "speed_variation, sine, 30, 0.2",
             "speed_variation, sine, 30, inf",
             "speed_variation,",
+            "speed variation, sine, 30, 4",
+            "Speed-Variation: sine, 30, 4",
+            "speedvariation off",
+            "speed_variations, off",
+            "speed  variation triangle 30 4",
         ] {
             let problem = said.comment(text).expect_err(text);
             assert!(problem.help.starts_with("write (speed_variation, sine"), "{problem:?}");

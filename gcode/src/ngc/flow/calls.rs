@@ -105,6 +105,22 @@ impl Flow {
         self.enter(Entry { label, definition, turns }, None, run.state)
     }
 
+    /// A bare `o100` in front of everything is the name of the program, and M98 enters at another one. One that
+    /// the program runs into is a keyword that was forgotten, or an M2.
+    pub(super) fn warn_of_a_bare_label(&self, label: Label, run: &mut Run) {
+        if !self.begun || !self.frames.is_empty() {
+            return;
+        }
+        let name = self.labels.text(label);
+        let message =
+            format!("{name} without a keyword does nothing here: the program runs on into what follows");
+        let number = name.trim_start_matches('o');
+        let help = format!(
+            "write its keyword, as in {name} call; or M2 above it, if it begins what M98 P{number} calls"
+        );
+        run.out.warn(Problem::warning("no-effect", Blame::Block, message, help));
+    }
+
     /// Where a subroutine is.
     fn resolve(&mut self, label: Label, style: Style, run: &mut Run) -> Result<Definition, Box<Problem>> {
         let definition = match self.labels.definition(label) {

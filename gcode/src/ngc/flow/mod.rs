@@ -51,6 +51,8 @@ pub(crate) struct Flow {
     arguments: Arguments,
     /// Loops go back: nothing was wrong so far.
     pub(crate) repeats: bool,
+    /// A block with words was executed.
+    pub(crate) begun: bool,
 }
 
 /// What O words act on.
@@ -91,6 +93,7 @@ impl Flow {
             deepest,
             arguments: Arguments::NONE,
             repeats: true,
+            begun: false,
         }
     }
 
@@ -120,7 +123,10 @@ impl Flow {
                 self.call(label, &arguments, run)
             }
             Keyword::Return | Keyword::EndSub => self.end_sub(order.control, value, run),
-            Keyword::Program => Ok(()),
+            Keyword::Program => {
+                self.warn_of_a_bare_label(label, run);
+                Ok(())
+            }
         }
     }
 

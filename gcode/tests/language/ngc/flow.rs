@@ -192,6 +192,23 @@ fn after_an_error_each_line_is_looked_at_once_and_the_program_ends() {
 }
 
 #[test]
+fn a_label_without_a_keyword_that_the_program_runs_into_is_warned_of() {
+    for (text, expected) in [
+        ("G90\no2\nG0 X1\nM2", &[2][..]),
+        ("G0 X1\no<drill>\nM2", &[2]),
+        ("M98 P2\no2\nG0 X1\nM99\nM2", &[2]),
+        // The name of the program; what M98 enters.
+        ("(by hand)\no2\nG0 X1\nM2", &[]),
+        ("M98 P2 L3\nM2\no2\nG91 G0 X1\nM99", &[]),
+    ] {
+        let warnings = outcome(text).warnings;
+        let here: Vec<u32> =
+            warnings.iter().filter(|one| one.code == "no-effect").map(|one| one.line).collect();
+        assert_eq!(here, expected, "{text}");
+    }
+}
+
+#[test]
 fn limits_end_what_would_never_end() {
     let limits = Limits { blocks_without_motion: 1000, call_depth: 5, ..Limits::default() };
     let options = Options { limits, ..Options::default() };
