@@ -21,7 +21,7 @@ const ENDS: &[(&[u16], usize)] = &[(&[690], 9), (&[131, 1130], 8)];
 
 /// What a G code may be.
 pub(super) const SYSTEM_A: &str =
-    "codes are those of G-code system A: G90 G92 G94 are cycles, G98 G99 tell the feed";
+    "codes are those of G-code systems A and B, as docs/gcode-fanuc.md has them";
 
 const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 740, 750, 760];
 

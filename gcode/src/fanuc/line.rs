@@ -2,9 +2,11 @@
 //! point.
 
 use super::simulator::SimulatorLine;
+use super::system::System;
 use super::variables::Locals;
 use crate::block::{Block, letter_bit};
 use crate::canon::Units;
+use crate::codes::G;
 use crate::execute::Done;
 use crate::options::DecimalPoint;
 use crate::problem::{Blame, Problem, Span, short};
@@ -52,6 +54,8 @@ pub(super) struct Line {
     computed: u32,
     /// The line is of a mill.
     pub(super) mill: bool,
+    /// G-code system of a lathe program, as far as it is known.
+    system: System,
     /// What lengths without a decimal point are.
     pub(super) decimal_point: Option<DecimalPoint>,
     /// Arguments of G65.
@@ -175,6 +179,19 @@ impl Line {
         (self.bare, self.computed, self.arguments, self.units) = (0, 0, None, Some(units));
         self.idle = None;
         self.rigid = false;
+    }
+
+    /// The code of system A for a code of the line `text`; `None` if it says what is so without it.
+    ///
+    /// # Errors
+    /// Codes of both systems are mixed, or it is not available.
+    pub(super) fn of_system_a(
+        &mut self,
+        code: G,
+        text: &[u8],
+        span: Span,
+    ) -> Result<Option<G>, Box<Problem>> {
+        if self.mill { Ok(Some(code)) } else { self.system.read(code, text, span) }
     }
 
     /// Adds the word of a letter.

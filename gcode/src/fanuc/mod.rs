@@ -44,6 +44,7 @@ mod simulator;
 mod single;
 mod skip;
 mod stops;
+mod system;
 mod taps;
 mod threads;
 mod tool;

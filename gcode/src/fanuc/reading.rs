@@ -277,6 +277,7 @@ impl Reading<'_> {
         let (value, span) = self.code(cursor)?;
         let code = whole(10.0 * value).and_then(|code| u16::try_from(code).ok()).map(G);
         let Some(code) = code else { return Err(codes::unknown(value, span, codes::SYSTEM_A)) };
+        let Some(code) = line.of_system_a(code, self.text, span)? else { return Ok(()) };
         if let Some((why, words)) = codes::does_nothing(code, line.mill) {
             let message = format!("{code} does nothing here: {why}");
             line.idle = Some(Idle { span, message, words });

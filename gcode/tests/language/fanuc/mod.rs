@@ -13,6 +13,7 @@ mod points;
 pub(crate) mod recorded;
 mod refusals;
 mod simulator;
+mod system;
 mod taps;
 mod thin;
 mod threads;

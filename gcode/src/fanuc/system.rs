@@ -1,0 +1,125 @@
+//! G-code system B in lathe programs: its codes become those of system A, which all else knows. In: a G code, the
+//! line that it stands in. Out: the code of system A.
+//!
+//! | B | A | | B | A |
+//! |---|---|---|---|---|
+//! | G77 G78 G79 | G90 G92 G94, the cycles | | G90 | nothing: X and Z are absolute |
+//! | G94 G95 | G98 G99, the feed | | G92 | G50 |
+//! | G33 | G32 | | G98 | nothing: holes end where they began |
+//!
+//! A program is one of system B from the first code on that system A does not have, and from a G94 that cuts no
+//! face: G94, G90 and G92 in front of such a code in its line are of system B, too. What only system A means by
+//! G98 and G99, and by cycles of G90, G92 and G94, decides for A.
+
+use crate::codes::G;
+use crate::problem::{Blame, Problem, Span};
+
+/// What the codes of a program have told so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum System {
+    /// They are the same in both.
+    #[default]
+    Open,
+    /// System A, by this code.
+    A(G),
+    /// System B.
+    B,
+}
+
+/// Codes that system A does not have.
+const ONLY_B: [G; 6] = [G(330), G(770), G(780), G(790), G(910), G(950)];
+/// Codes that are something else in both.
+const DIFFER: [G; 5] = [G(900), G(920), G(940), G(980), G(990)];
+
+impl System {
+    /// The code of system A for a code in a line; `None` if it says what is so without it.
+    ///
+    /// # Errors
+    /// Codes of both systems are mixed; incremental coordinates by G91, and the way back to R by G99.
+    pub(super) fn read(&mut self, code: G, text: &[u8], span: Span) -> Result<Option<G>, Box<Problem>> {
+        let only_b = ONLY_B.contains(&code);
+        if !only_b && !DIFFER.contains(&code) {
+            return Ok(Some(code));
+        }
+        match *self {
+            System::A(first) if only_b => return Err(mixed(code, first, span)),
+            System::Open if only_b || is_b(code, text) => *self = System::B,
+            System::Open if matches!(code, G(980 | 990)) || has_point(text) => *self = System::A(code),
+            _ => {}
+        }
+        if *self != System::B {
+            return Ok(Some(code));
+        }
+        Ok(Some(match code {
+            G(900 | 980) => return Ok(None),
+            G(330) => G(320),
+            G(770) => G(900),
+            G(780) => G(920),
+            G(790) => G(940),
+            G(920) => G(500),
+            G(940) => G(980),
+            G(950) => G(990),
+            _ => return Err(refused(code, span)),
+        }))
+    }
+}
+
+/// Whether a code that differs is of system B by what stands beside it, in whichever order.
+fn is_b(code: G, text: &[u8]) -> bool {
+    let is_feed = |code: G| code == G(940) && !has_point(text);
+    is_feed(code) || codes(text).any(|other| ONLY_B.contains(&other) || is_feed(other))
+}
+
+/// The bytes of a line without its comments.
+fn words(text: &[u8]) -> impl Iterator<Item = u8> + '_ {
+    let mut depth = 0_u32;
+    text.iter().filter_map(move |byte| match byte {
+        b'(' => {
+            depth += 1;
+            None
+        }
+        b')' => {
+            depth = depth.saturating_sub(1);
+            None
+        }
+        _ => (depth == 0).then(|| byte.to_ascii_lowercase()),
+    })
+}
+
+/// The G codes of a line that are written as plain numbers.
+fn codes(text: &[u8]) -> impl Iterator<Item = G> + '_ {
+    let mut words = words(text).peekable();
+    std::iter::from_fn(move || {
+        words.by_ref().find(|byte| *byte == b'g')?;
+        let mut number = 0_u16;
+        while let Some(digit) = words.next_if(u8::is_ascii_digit) {
+            number = number.saturating_mul(10).saturating_add(u16::from(digit - b'0'));
+        }
+        Some(G(number.saturating_mul(10)))
+    })
+}
+
+/// Whether a line has a point to go to.
+fn has_point(text: &[u8]) -> bool {
+    words(text).any(|byte| matches!(byte, b'x' | b'z' | b'u' | b'w'))
+}
+
+fn mixed(code: G, first: G, span: Span) -> Box<Problem> {
+    let message = format!("{code} belongs to G-code system B, and {first} above was one of system A");
+    let help = "write G90 G92 G94 for the cycles G77 G78 G79, G32 for G33, G98 G99 for the feeds G94 G95, U and W for \
+                X and Z under G91";
+    Problem::error("not-available", Blame::Span(span), message, help)
+}
+
+fn refused(code: G, span: Span) -> Box<Problem> {
+    let (message, help) = match code {
+        G(910) => {
+            ("G91 is not available: X and Z are absolute", "write U and W for what is to be incremental")
+        }
+        _ => (
+            "G99 of G-code system B is not available: holes end where they began",
+            "leave it out, and begin at R; for the feed per revolution write G95",
+        ),
+    };
+    Problem::error("not-available", Blame::Span(span), message, help)
+}
