@@ -27,14 +27,14 @@ pub(crate) struct Words<'a> {
 
 type Sign = (Dialect, &'static str, fn(&Words) -> bool);
 
-const SIGNS: [Sign; 18] = [
+const SIGNS: [Sign; 20] = [
     (Dialect::Linuxcnc, "a named parameter, #<...>", |words| words.has(b"#<")),
     (Dialect::Linuxcnc, "an O word with what it does", |words| {
         words.text.starts_with(b"o<")
             || words.behind_number(b'o').is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_alphabetic))
     }),
     (Dialect::Linuxcnc, "G7 or G8", |words| words.has_code(b'g', &[7, 8])),
-    (Dialect::Linuxcnc, "G33", |words| words.has_code(b'g', &[33])),
+    (Dialect::Linuxcnc, "G33 with K", |words| words.has_code(b'g', &[33]) && !words.has_lead_by_f()),
     (Dialect::Linuxcnc, "M6", |words| words.has_code(b'm', &[6]) && !words.has_tool_and_offset()),
     (Dialect::Linuxcnc, "G64 P", |words| words.has_code(b'g', &[64]) && words.has_word(b'p')),
     (Dialect::Fanuc, "O with the number of a program", |words| {
@@ -44,6 +44,8 @@ const SIGNS: [Sign; 18] = [
     (Dialect::Fanuc, "DO and a number", |words| words.has(b"]do") || words.starts_with_number(b"do")),
     (Dialect::Fanuc, "G50 S", |words| words.has_code(b'g', &[50]) && words.has_word(b's')),
     (Dialect::Fanuc, "G32", |words| words.has_code(b'g', &[32])),
+    (Dialect::Fanuc, "G92 S", |words| words.has_code(b'g', &[92]) && words.has_only_a_speed()),
+    (Dialect::Fanuc, "G33 with F", |words| words.has_code(b'g', &[33]) && words.has_lead_by_f()),
     (Dialect::Fanuc, "G92 with a lead", |words| words.has_code(b'g', &[92]) && words.has_end_and_feed()),
     (Dialect::Fanuc, "G90 or G94 with an end and a feed, and nothing that moves at a feed before", |words| {
         let moves = words.feeds || words.has_code(b'g', &[0, 1, 2, 3]);
@@ -177,6 +179,16 @@ impl<'a> Words<'a> {
         (self.has_word(b'x') || self.has_word(b'z')) && self.has_word(b'f')
     }
 
+    /// F where LinuxCNC's G33 needs K.
+    fn has_lead_by_f(&self) -> bool {
+        self.has_word(b'f') && !self.has_word(b'k')
+    }
+
+    /// S, and no point.
+    fn has_only_a_speed(&self) -> bool {
+        self.has_word(b's') && !b"xyzabc".iter().any(|letter| self.has_word(*letter))
+    }
+
     fn has_code(&self, letter: u8, codes: &[u16]) -> bool {
         let number = |digits: &[u8]| std::str::from_utf8(digits).ok()?.parse::<u16>().ok();
         self.values(letter).any(|digits| number(digits).is_some_and(|number| codes.contains(&number)))
@@ -203,6 +215,8 @@ mod tests {
             "G00 X32. Z5.\nG90 X28. Z-20. F0.2",
             "G76 P021060 Q50 R0.03",
             "%O1200 (A PART)\nG90 G95",
+            "%O1200(A PART)\nG33 Z-17.3 F1.5\nG0 X18.\nG33 Z-17.3 F1.5",
+            "G21 G90 G95\nN60 G92 S500",
             "%O1200 SHAFT 5\nG90 G95",
         ];
         let linuxcnc = [
