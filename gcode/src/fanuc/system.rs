@@ -1,5 +1,5 @@
-//! G-code system B in lathe programs: its codes become those of system A, which all else knows. In: a G code, the
-//! line that it stands in. Out: the code of system A.
+//! G-code system B in lathe programs: its codes become those of system A, which all else knows. In: a G code,
+//! the line that it stands in. Out: the code of system A.
 //!
 //! | B | A | | B | A |
 //! |---|---|---|---|---|
@@ -7,9 +7,9 @@
 //! | G94 G95 | G98 G99, the feed | | G92 | G50 |
 //! | G33 | G32 | | G98 | nothing: holes end where they began |
 //!
-//! A program is one of system B from the first code on that system A does not have, and from a G94 that cuts no
-//! face: G94, G90 and G92 in front of such a code in its line are of system B, too. What only system A means by
-//! G98 and G99, and by cycles of G90, G92 and G94, decides for A.
+//! A program is one of system B from the first code on that system A does not have, and from a G94 that cuts
+//! no face: G94, G90 and G92 in front of such a code in its line are of system B, too. What only system A
+//! means by G98 and G99, and by cycles of G90, G92 and G94, decides for A.
 
 use crate::codes::G;
 use crate::problem::{Blame, Problem, Span};

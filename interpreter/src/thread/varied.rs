@@ -51,8 +51,8 @@ fn wrong<T>(message: String) -> Result<T, Box<Problem>> {
     Err(Problem::error("bad-value", Blame::Block, message, help))
 }
 
-/// What is meant for the word but is not it: `speed variation`, `Speed-Variations` in front of a comma, a colon,
-/// an equals sign, or of what it may be. A remark that mentions the two words is none.
+/// What is meant for the word but is not it: `speed variation`, `Speed-Variations` in front of a comma, a
+/// colon, an equals sign, or of what it may be. A remark that mentions the two words is none.
 fn nearly(text: &str) -> Option<&str> {
     let joins = |c: char| c == ' ' || c == '_' || c == '-' || c == '\t';
     let (first, behind) = text.split_at_checked("speed".len())?;

@@ -105,8 +105,8 @@ impl Flow {
         self.enter(Entry { label, definition, turns }, None, run.state)
     }
 
-    /// A bare `o100` in front of everything is the name of the program, and M98 enters at another one. One that
-    /// the program runs into is a keyword that was forgotten, or an M2.
+    /// A bare `o100` in front of everything is the name of the program, and M98 enters at another one. One
+    /// that the program runs into is a keyword that was forgotten, or an M2.
     pub(super) fn warn_of_a_bare_label(&self, label: Label, run: &mut Run) {
         if !self.begun || !self.frames.is_empty() {
             return;
