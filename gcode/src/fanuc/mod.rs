@@ -1,4 +1,5 @@
-//! FANUC programs, of lathes (G-code system A) and of mills, with custom macro B.
+//! FANUC programs, of lathes (G-code system A; the codes of B become those of A, `system.rs`) and of mills,
+//! with custom macro B.
 //!
 //! In: the lines of a program. Out: the same calls as from the other dialect: X of a call is a radius,
 //! threads are [`Call::ThreadCycle`] or moves that follow the spindle. What a code has in common with
