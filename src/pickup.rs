@@ -4,7 +4,7 @@
 use std::{fmt::Write as _, path::PathBuf, process::ExitCode};
 
 use clap::Args;
-use gauge::pickup::{Asked, FEWEST, Found, NotFound, Touch, Value, pick_up};
+use gauge::pickup::{Asked, FEWEST, Found, NotFound, Value, pick_up, touches};
 use serde_json::json;
 
 use crate::{error::CliError, screen};
@@ -53,7 +53,7 @@ pub(crate) struct PickUpArgs {
 pub(crate) fn command(args: &PickUpArgs) -> Result<ExitCode, CliError> {
     let text =
         intake::text(&args.file, intake::SETTINGS).map_err(|error| CliError::file(&args.file, error))?;
-    let touches = read(&text).map_err(|error| CliError::file(&args.file, error))?;
+    let touches = touches(&text).map_err(|error| CliError::file(&args.file, error))?;
     let asked = Asked {
         lead_mm: args.lead,
         starts: args.starts,
@@ -76,24 +76,6 @@ pub(crate) fn command(args: &PickUpArgs) -> Result<ExitCode, CliError> {
     }
     screen::print(&if args.json { as_json(&found, start) } else { told(&found, start) });
     Ok(ExitCode::SUCCESS)
-}
-
-/// The touches of a file.
-fn read(text: &str) -> Result<Vec<Touch>, String> {
-    let mut touches = Vec::new();
-    for (line, text) in (1..).zip(text.lines()) {
-        let text = text.split('#').next().unwrap_or_default();
-        let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
-        let number =
-            |word: &str| word.parse::<f64>().map_err(|_| format!("line {line}: {word} is not a number"));
-        match *words.map(number).collect::<Result<Vec<f64>, String>>()? {
-            [] => {}
-            [angle_deg, z_mm] => touches.push(Touch { angle_deg, z_mm, x_mm: None }),
-            [angle_deg, z_mm, x_mm] => touches.push(Touch { angle_deg, z_mm, x_mm: Some(x_mm) }),
-            _ => return Err(format!("line {line}: a touch is an angle, Z, and perhaps X")),
-        }
-    }
-    Ok(touches)
 }
 
 /// What is wrong with the file is an error of the input, what is wrong with the thread is not.

@@ -42,6 +42,27 @@ pub struct Touch {
     pub x_mm: Option<f64>,
 }
 
+/// Touches as a file has them: a line for each, with an angle, Z, and perhaps X; `#` begins a comment.
+///
+/// # Errors
+/// Names the line that is not one.
+pub fn touches(text: &str) -> Result<Vec<Touch>, String> {
+    let mut touches = Vec::new();
+    for (line, text) in (1..).zip(text.lines()) {
+        let text = text.split('#').next().unwrap_or_default();
+        let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+        let number =
+            |word: &str| word.parse::<f64>().map_err(|_| format!("line {line}: {word} is not a number"));
+        match *words.map(number).collect::<Result<Vec<f64>, String>>()? {
+            [] => {}
+            [angle_deg, z_mm] => touches.push(Touch { angle_deg, z_mm, x_mm: None }),
+            [angle_deg, z_mm, x_mm] => touches.push(Touch { angle_deg, z_mm, x_mm: Some(x_mm) }),
+            _ => return Err(format!("line {line}: a touch is an angle, Z, and perhaps X")),
+        }
+    }
+    Ok(touches)
+}
+
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {

@@ -114,6 +114,11 @@ impl Recorded {
         self.arrivals.changes.len()
     }
 
+    /// Whether the end of what reached its modules is damaged, of a record that was not finished.
+    pub(super) fn record_is_damaged(&self) -> bool {
+        self.arrivals.damaged
+    }
+
     /// The machine code of the program; what stands behind an error is not run.
     pub(super) fn items(&self) -> Result<Items, CliError> {
         let language = self.args.language.language();

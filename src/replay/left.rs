@@ -81,6 +81,11 @@ impl Left {
         self.known.map_or_else(State::nothing, |(_, state)| state)
     }
 
+    /// Whether what reached its modules last is not known.
+    pub(crate) fn record_is_damaged(&self) -> bool {
+        self.recorded.record_is_damaged()
+    }
+
     /// The arguments of a run that goes on with it; of what is asked counts what says where it is written and
     /// what happens meanwhile.
     ///

@@ -5,7 +5,7 @@
 //! | file | what |
 //! |---|---|
 //! | `moment.bin` | control cycles that are recorded, in steps of 64: a number of eight bytes, little-endian, and its complement |
-//! | `arrivals.live` | `arrivals.txt` as it grows |
+//! | `arrivals.live` | the lines of `arrivals.txt` as it grows, each twice, with its number and a hash |
 
 use std::{
     fs::{self, File},
@@ -82,5 +82,5 @@ pub(crate) fn cycles(folder: &Path) -> Option<u64> {
 /// What had reached the modules of such a run.
 pub(crate) fn arrivals(folder: &Path) -> Arrivals {
     let bytes = intake::bytes(&folder.join(LIVE), rig::replay::MOST_BYTES).unwrap_or_default();
-    Arrivals::left(&String::from_utf8_lossy(&bytes))
+    Arrivals::left(&bytes)
 }

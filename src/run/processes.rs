@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use process::{
-    ipc::{ChannelCount, NameSpace, Process, time::Moment, total},
+    ipc::{ChannelCount, NameSpace, Process, of_the_living, time::Moment, total},
     shell::Clock,
 };
 use protocol::{Doom, operator::Request};
@@ -313,6 +313,8 @@ impl Launch<'_> {
             process::ipc::time::sleep_until(Moment::in_s(0.001));
         }
         self.hear_of_arrivals()?;
+        // Who has not told his counts by now never will.
+        let dead = self.space.unfinished()?;
         let mut counts = self.space.end()?;
         counts.extend(self.channels.counts());
         self.watchdog.calm();
@@ -332,7 +334,7 @@ impl Launch<'_> {
             self.look_for_the_dead()?;
         }
         self.started.iter_mut().for_each(Started::end);
-        let counts = total(counts);
+        let counts = of_the_living(total(counts), &axes(&self.setup.machine), &dead);
         self.endings.late(&counts);
         Ok(counts.into_iter().map(channel).collect())
     }
@@ -357,6 +359,6 @@ impl Launch<'_> {
 }
 
 fn channel(count: ChannelCount) -> observe::Channel {
-    let ChannelCount { name, sent, received, lost, bytes, late, late_in_row } = count;
-    observe::Channel { name, sent, received, lost, bytes, late, late_in_row }
+    let ChannelCount { name, sent, received, lost, bytes, late, late_in_row, not_counted } = count;
+    observe::Channel { name, sent, received, lost, bytes, late, late_in_row, not_counted }
 }

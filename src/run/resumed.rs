@@ -99,6 +99,11 @@ impl Resumed {
             ),
             None => "how far it came: it begins where the tool may have been first".into(),
         }];
+        if self.left.record_is_damaged() {
+            let text = "what was done at the panel, or failed, last: the end of arrivals.live is damaged, and the machine is \
+                        made again without it";
+            unknown.push(text.into());
+        }
         if let Stands::InPass(pass) = self.plan.stands {
             unknown.push(format!(
                 "what the tool did to the groove of pass {pass} while the spindle ran down, if it stood in it: look at it"

@@ -186,6 +186,16 @@ fn judge(answer: &Answer, folder: &Path, program: &Program, name: &str, how: &st
     if let Some(other) = others.into_iter().find(|other| other.exit != Some(0)) {
         return Err(format!("{other:?}"));
     }
+    let of_dead = |channel: &&rig::observe::Channel| channel.not_counted.iter().any(|dead| dead == name);
+    let (uncounted, counted): (Vec<_>, Vec<_>) = summary.channels.iter().partition(of_dead);
+    // Whom it sent to has told how much came: everybody lives but the dead.
+    let silent = |channel: &&rig::observe::Channel| channel.sent < channel.received + channel.lost;
+    if uncounted.is_empty() || counted.iter().any(|channel| !channel.not_counted.is_empty()) {
+        return Err(format!("{uncounted:?} {counted:?}"));
+    }
+    if let Some(channel) = summary.channels.iter().find(silent) {
+        return Err(format!("more came than was sent: {channel:?}"));
+    }
     if name == "sim-plant" { Ok(()) } else { is_at_rest(folder, program, name != "regulator-x") }
 }
 
@@ -248,9 +258,21 @@ fn a_kill_by_a_regulators_cycle_gives_the_same_run_each_time() {
     let run = |out: &str| {
         let (answer, _) = felled(&place, program, out, "regulator-z:kill@5001");
         let summary: Summary = serde_json::from_str(&answer.stdout).expect("--json prints the summary");
-        (summary.trace_hash, summary.faults)
+        (summary.trace_hash, summary.faults, summary.channels)
     };
-    assert_eq!(run("one"), run("two"));
+    let (hash, faults, channels) = run("one");
+    let again = run("two");
+    assert_eq!((&hash, &faults), (&again.0, &again.1));
+    // What the dead regulator has not told is what others took of it, at least, and says so.
+    let of =
+        |name: &str| channels.iter().find(|channel| channel.name == name).expect("every channel is there");
+    let (dead, other) = (of("drive-command/z"), of("drive-command/x"));
+    assert!((5000..=5002).contains(&dead.sent) && dead.sent == dead.received, "{dead:?}");
+    assert_eq!((&dead.not_counted[..], other.not_counted.len()), (&["regulator-z".to_string()][..], 0));
+    assert!(other.sent > dead.sent && other.lost == 0, "{other:?}");
+    for name in ["axis-command/z", "measurement", "axis-status/z", "arrival"] {
+        assert_eq!(of(name).not_counted, ["regulator-z"], "{name}");
+    }
 }
 
 /// Self-contained rule over processes: 50 s on the machine in one pass, its interpolator is killed near the

@@ -5,7 +5,10 @@
 use std::{fs, path::Path};
 
 use process::ipc::time::Moment;
-use rig::observe::{Outcome, PartVerdict, Summary};
+use rig::{
+    observe::{Outcome, PartVerdict, Summary},
+    replay::Arrivals,
+};
 use serde_json::Value;
 use testing::Seed;
 
@@ -291,9 +294,18 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
     let journal = fs::read(place.at("run/journal.bin")).expect("a journal");
     in_place_of("journal.bin", &of_other_version(&place, &journal), "another version of pitchlock");
     let live = "pitchlock arrivals 1\nby 0.0.1 0.0.1\nmachine one-process\nclock virtual\nseed 1\n";
-    in_place_of("arrivals.live", live.as_bytes(), "a run of pitchlock 0.0.1");
-    let real = live.replace("0.0.1", env!("CARGO_PKG_VERSION")).replace("virtual", "real");
+    in_place_of("arrivals.live", Arrivals::live(0, live).as_bytes(), "a run of pitchlock 0.0.1");
+    let real = Arrivals::head(true, true, 1);
     in_place_of("arrivals.live", real.as_bytes(), "ran in real time");
+    // One bit costs nothing; what is torn is told.
+    let live = fs::read(place.at("run/arrivals.live")).expect("it is there");
+    for (left, is_told) in [(live.len() - 1, false), (live.len() / 2, true), (0, true)] {
+        fs::write(place.at("run/arrivals.live"), &live[..left]).expect("room");
+        let told = place.ask(&["run", "run", "--resume", "--dry-run"]);
+        assert_eq!(told.status, Some(0), "{left} bytes: {}", told.stderr);
+        assert_eq!(told.stdout.contains("arrivals.live is damaged"), is_told, "{left}: {}", told.stdout);
+    }
+    fs::write(place.at("run/arrivals.live"), &live).expect("room");
     for (name, words) in [("nowhere", "journal.bin"), (program.as_str(), "journal.bin")] {
         let answer = place.ask(&["run", name, "--resume"]);
         assert!(answer.status == Some(2) && answer.stderr.contains(words), "{}", answer.stderr);

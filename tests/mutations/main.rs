@@ -7,6 +7,7 @@
 //! A failure tells the number of its mutation; `PITCHLOCK_MUTATION=number` runs that one alone.
 
 mod corpus;
+mod kept;
 mod memory;
 mod mutate;
 #[allow(unreachable_pub)]
@@ -15,7 +16,7 @@ mod targets;
 
 use std::{env, fs, path::Path};
 
-use corpus::{ARRIVALS, FANUC, FANUC_MILL, PRESSES};
+use corpus::{FANUC, FANUC_MILL, PRESSES};
 use machine::Machine;
 use mutate::mutation;
 use protocol::{
@@ -320,19 +321,6 @@ fn jobs() -> Vec<Vec<u8>> {
     programs("examples/shape", "toml")
 }
 
-/// The summary of a short run.
-fn summaries() -> Vec<Vec<u8>> {
-    let machine = Machine::plain();
-    let program = "G18 G21 G90 G94 G8\nG0 X50 Z90\nG1 X50.1 F3000\nM2\n";
-    let items = interpreter::check("short.ngc", program, &machine).items;
-    let mut rig =
-        rig::Rig::new(&machine, items.iter().copied(), sim_plant::Scenario::none(), 1).expect("a plant");
-    let mut observer = rig::observe::Observer::new(&machine, &items);
-    while rig.cycle(None, |record| observer.cycle(record)) {}
-    let summary = observer.finish().summary("short.ngc", "virtual");
-    vec![serde_json::to_vec(&summary).expect("it can be written")]
-}
-
 #[test]
 fn machine_file() {
     mutate_within(MEMORY + PLANT_MEMORY, MUTATIONS, targets::machine_file, &machine_files());
@@ -357,16 +345,6 @@ fn tables_of_linuxcnc() {
 fn job() {
     // The longest line that a job may have is provided for at its beginning.
     mutate_within(JOB_MEMORY, MUTATIONS / 20, targets::job, &jobs());
-}
-
-#[test]
-fn summary() {
-    mutate(targets::summary, &summaries());
-}
-
-#[test]
-fn arrivals() {
-    mutate(targets::arrivals, &[ARRIVALS.as_bytes().to_vec()]);
 }
 
 #[test]

@@ -1,9 +1,11 @@
 //! How many messages went through each channel, as every process counts its own ends and the launcher adds
 //! them up.
 
-use protocol::Message;
+use protocol::{Axis, Message};
 use serde::{Deserialize, Serialize};
 use zerocopy::{FromBytes, Immutable, IntoBytes};
+
+use super::{Process, channel};
 
 /// What went through one channel, as `summary.json` shows it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,6 +24,8 @@ pub struct ChannelCount {
     pub late: u64,
     /// The most of those in a row.
     pub late_in_row: u64,
+    /// Processes at its ends that died before they told what they had counted: the figures are at least so much.
+    pub not_counted: Vec<String>,
 }
 
 /// Adds up what both ends of each channel counted, by name, in the order of the names.
@@ -38,6 +42,30 @@ pub fn total(counts: impl IntoIterator<Item = ChannelCount>) -> Vec<ChannelCount
         sum.late_in_row = sum.late_in_row.max(count.late_in_row);
     }
     total.into_values().collect()
+}
+
+/// What is known of every channel of a machine of which some processes died and never told their counts: they
+/// are named at all their channels. What came out of a queue has been put into it, so what the receivers have
+/// taken and missed is the least that a dead sender sent.
+pub fn of_the_living(counts: Vec<ChannelCount>, axes: &[Axis], dead: &[Process]) -> Vec<ChannelCount> {
+    let mut counts =
+        std::collections::BTreeMap::from_iter(counts.into_iter().map(|count| (count.name.clone(), count)));
+    let counted = |row: &channel::Row| row.name != channel::COUNT.name();
+    for row in channel::all(axes).into_iter().filter(counted) {
+        let dead_here = |process: &&Process| dead.contains(process);
+        let ends = || row.senders.iter().chain(&row.receivers);
+        if ends().any(|process| dead_here(&process)) {
+            let name = row.name.clone();
+            let count = counts
+                .entry(name.clone())
+                .or_insert_with(|| ChannelCount { name, ..ChannelCount::default() });
+            count.not_counted = ends().filter(dead_here).map(|process| process.name()).collect();
+            if row.senders.iter().any(|process| dead_here(&process)) {
+                count.sent = count.sent.max(count.received + count.lost);
+            }
+        }
+    }
+    counts.into_values().collect()
 }
 
 const NAME_BYTES: usize = 32;
@@ -78,6 +106,7 @@ impl CountPacket {
             bytes: self.bytes,
             late: self.late,
             late_in_row: self.late_in_row,
+            not_counted: Vec::new(),
         }
     }
 }

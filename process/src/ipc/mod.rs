@@ -49,7 +49,7 @@ pub mod time;
 mod wake;
 
 pub use channel::{Channel, Keep};
-pub use count::{ChannelCount, total};
+pub use count::{ChannelCount, of_the_living, total};
 pub use member::Member;
 pub use name_space::NameSpace;
 pub use orphan::is_orphan;

@@ -8,6 +8,7 @@
 //! A [`Summary`] is what `summary.json` holds.
 
 mod bus;
+mod channels;
 mod circle;
 mod contour;
 mod corrected;
@@ -51,10 +52,11 @@ use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, Motio
 use zerocopy::IntoBytes;
 
 pub use summary::{
-    AxisLimits, Channel, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process,
-    ServoError, Summary, VERSION,
+    AxisLimits, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process, ServoError,
+    Summary, VERSION,
 };
 
+pub use channels::Channel;
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};

@@ -9,7 +9,7 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AnalogReport, CuttingReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport,
+    AnalogReport, Channel, CuttingReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport,
     ProgramWarning, ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport,
     TraceReport,
 };
@@ -42,27 +42,6 @@ pub struct Process {
     /// Name of the signal that ended it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub signal: Option<String>,
-}
-
-/// What went through one channel.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Channel {
-    /// Its name, as in `axis-command/x`.
-    pub name: String,
-    /// Samples sent.
-    pub sent: u64,
-    /// Samples received.
-    pub received: u64,
-    /// Samples lost.
-    pub lost: u64,
-    /// Bytes of payload sent.
-    pub bytes: u64,
-    /// Samples that were not there when they were due (drive commands in real time).
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub late: u64,
-    /// The most of those in a row.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub late_in_row: u64,
 }
 
 /// A fault when it was first seen.
@@ -384,7 +363,7 @@ pub struct Summary {
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref)] // as serde asks
-fn is_zero(count: &u64) -> bool {
+pub(super) fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 

@@ -9,10 +9,13 @@ use protocol::{
     Arrival, AxisStatus, Differs, Input, MachineStatus, Module, OperatorRequest, PerAxis, Request, Taken,
 };
 
+use super::sealed::{sealed, unsealed};
 use crate::observe::Record;
 
 /// First line, with the version.
 const TITLE: &str = "pitchlock arrivals 1";
+/// Lines before the first change in a file that grows.
+const HEAD_LINES: usize = 5;
 /// The version of all crates.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Most changes that are kept: one in every cycle of a quarter of an hour.
@@ -36,6 +39,8 @@ pub struct Arrivals {
     pub seed: Option<u64>,
     /// The version of pitchlock that made it, if it says so.
     pub by: Option<String>,
+    /// Of a record that was not finished: what came behind the last change is damaged, and not known.
+    pub damaged: bool,
     /// Why the run cannot be made again.
     pub gap: Option<String>,
     /// In the order in which they were told: those of one input are in the order of their cycles.
@@ -69,11 +74,20 @@ impl Arrivals {
         text
     }
 
-    /// What such a file begins with while the machine runs; the line of each change follows.
+    /// What such a file begins with while the machine runs; the lines of its changes follow. Every line is
+    /// there twice, with its number and a hash.
     pub fn head(one_process: bool, real_time: bool, seed: u64) -> String {
         let machine = if one_process { "one-process" } else { "processes" };
         let clock = if real_time { "real" } else { "virtual" };
-        format!("{TITLE}\nby {VERSION} {VERSION}\nmachine {machine}\nclock {clock}\nseed {seed}\n")
+        Arrivals::live(
+            0,
+            &format!("{TITLE}\nby {VERSION} {VERSION}\nmachine {machine}\nclock {clock}\nseed {seed}\n"),
+        )
+    }
+
+    /// Lines of a file that grows, from the one with this number on.
+    pub fn live(first: usize, lines: &str) -> String {
+        sealed(first, lines)
     }
 
     /// The other version of pitchlock that made it: the machine that it simulates may move otherwise.
@@ -82,17 +96,20 @@ impl Arrivals {
     }
 
     /// What is left of such a file: everything before the first line that is damaged.
-    pub fn left(text: &str) -> Arrivals {
-        let mut arrivals = Arrivals::default();
-        // The last line may be torn.
-        let whole = text.rfind('\n').and_then(|end| text.get(..end)).unwrap_or_default();
-        let _ = whole.lines().skip(1).try_for_each(|line| arrivals.line(line));
+    pub fn left(bytes: &[u8]) -> Arrivals {
+        let (lines, damaged) = unsealed(bytes);
+        let mut arrivals = Arrivals { damaged: damaged || lines.len() < HEAD_LINES, ..Arrivals::default() };
+        for line in lines.iter().skip(1) {
+            // A whole line of another version.
+            arrivals.damaged |= arrivals.line(line).is_none();
+        }
         arrivals
     }
 
-    /// The lines of the changes from one on.
+    /// The same lines of the changes from one on.
     pub fn lines_from(&self, first: usize) -> String {
-        self.changes.iter().skip(first).map(line).collect()
+        let lines: String = self.changes.iter().skip(first).map(line).collect();
+        Arrivals::live(HEAD_LINES + first, &lines)
     }
 
     /// The arrivals of a text.
@@ -261,10 +278,13 @@ mod tests {
         let by = Some(VERSION.into());
         assert_eq!(Arrivals::from_text(&arrivals.text()), Ok(Arrivals { by, ..arrivals.clone() }));
         // One that was being written, and is torn in its last line.
-        let being_written = Arrivals::head(false, false, 7) + &arrivals.lines_from(0) + "10 tick-mea";
-        let left = Arrivals::left(&being_written);
-        assert_eq!((left.seed, &left.changes), (Some(7), &arrivals.changes));
-        assert_eq!(Arrivals::left(&being_written.replace("8 drive", "8 drove")).changes.len(), 1);
+        let being_written = Arrivals::head(false, false, 7) + &arrivals.lines_from(0);
+        let torn = |text: &str| Arrivals::left(text.as_bytes());
+        let left = torn(&(being_written.clone() + "0a1b2c3d 8 10 tick-mea"));
+        assert_eq!((left.seed, &left.changes, left.damaged), (Some(7), &arrivals.changes, true));
+        assert!(!torn(&being_written).damaged && torn("").damaged);
+        let left = torn(&being_written.replace("8 drive", "8 drove"));
+        assert_eq!((left.changes.len(), left.damaged), (1, true));
         arrivals.miss("a word was lost".into());
         let read = Arrivals::from_text(&arrivals.text()).expect("it is one of ours");
         assert_eq!((read.gap, read.changes.len()), (arrivals.gap, 0));

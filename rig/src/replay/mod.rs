@@ -5,6 +5,7 @@
 mod arrivals;
 mod fields;
 mod replica;
+mod sealed;
 
 pub use arrivals::{Arrivals, Change, Collector, MOST, MOST_BYTES};
 pub use fields::{fields, first_difference};

@@ -1,0 +1,78 @@
+//! What a run keeps of itself, and what is measured for the next one.
+
+use machine::Machine;
+use rig::journal::{Book, Medium, State};
+use zerocopy::IntoBytes as _;
+
+use crate::{corpus::ARRIVALS, mutate, targets};
+
+/// A medium that keeps what is written in memory.
+#[derive(Default)]
+struct Memory(Vec<u8>);
+
+impl Medium for Memory {
+    fn append(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.0.extend_from_slice(bytes);
+        Ok(())
+    }
+
+    fn replace(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.0 = bytes.to_vec();
+        Ok(())
+    }
+
+    fn sync(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// The summary of a short run.
+fn summaries() -> Vec<Vec<u8>> {
+    let machine = Machine::plain();
+    let program = "G18 G21 G90 G94 G8\nG0 X50 Z90\nG1 X50.1 F3000\nM2\n";
+    let items = interpreter::check("short.ngc", program, &machine).items;
+    let mut rig =
+        rig::Rig::new(&machine, items.iter().copied(), sim_plant::Scenario::none(), 1).expect("a plant");
+    let mut observer = rig::observe::Observer::new(&machine, &items);
+    while rig.cycle(None, |record| observer.cycle(record)) {}
+    let summary = observer.finish().summary("short.ngc", "virtual");
+    vec![serde_json::to_vec(&summary).expect("it can be written")]
+}
+
+#[test]
+fn summary() {
+    mutate(targets::summary, &summaries());
+}
+
+#[test]
+fn arrivals() {
+    mutate(targets::arrivals, &[ARRIVALS.as_bytes().to_vec()]);
+}
+
+/// A record that is whole and then is not: no line is taken for another one.
+#[test]
+fn arrivals_live() {
+    let whole = rig::replay::Arrivals::from_text(ARRIVALS).expect("it is one");
+    let text = rig::replay::Arrivals::head(false, false, 7) + &whole.lines_from(0);
+    mutate(targets::arrivals_live, &[text.into_bytes()]);
+}
+
+/// A journal of some states, and what they say.
+#[test]
+fn journal() {
+    let state = State { passes: 1, step: 7, line: 6, cycle: 4711, ..State::nothing() };
+    let ended = State { machine: protocol::MachineState::Ended as u32, ..state };
+    let mut book = Book::new(Memory::default());
+    let mut corpus: Vec<_> = [State::nothing(), state, ended].map(|state| state.as_bytes().to_vec()).into();
+    [State::nothing(), state, ended].iter().for_each(|state| {
+        book.write(state).expect("there is room");
+    });
+    corpus.push(book.medium().0.clone());
+    mutate(targets::journal, &corpus);
+}
+
+#[test]
+fn touches() {
+    let texts = ["# angle Z X\n12.0 -3.1021 9.1\n190.5 -12.098 9.1\n81.0 -19.488 9.1\n7 -25.0\n", "1,2\n2,3\n9 -20.5\n"];
+    mutate(targets::touches, &texts.map(|text| text.as_bytes().to_vec()));
+}
