@@ -6,13 +6,13 @@
 
 use std::{io, path::Path, sync::Arc};
 
+use gauge::pickup::{self, Asked, pick_up};
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{MachineFile, ParameterFile, Tool, ToolTable};
 use gcode::{
     Call, DecimalPoint, Diagnostic, Dialect, Job, Limits, MachineCode, Options, Place, Pose, Problem,
     Program, Sink, Step, alone,
 };
-use gauge::pickup::{self, Asked, pick_up};
 use interpreter::Interpreter;
 use machine::{Machine, Part, SMALL_MILL};
 use metrology::Thread;
@@ -229,7 +229,8 @@ pub fn journal(bytes: &[u8]) {
     content.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
     let Ok(state) = State::read_from_bytes(&content) else { return };
     let machine = Machine::plain();
-    let program = "G18 G21 G90 G8 G94 G97\nM3 S800\nG0 X12 Z12\nG1 Z5 F600\nG0 X9\nG33 Z-6 K1.5\nG0 X12\nM5\nM2\n";
+    let program =
+        "G18 G21 G90 G8 G94 G97\nM3 S800\nG0 X12 Z12\nG1 Z5 F600\nG0 X9\nG33 Z-6 K1.5\nG0 X12\nM5\nM2\n";
     let items = || Interpreter::of_text("fuzz", program.to_string(), &machine).map_while(Result::ok);
     match resume::plan(&machine, items, &state, &machine.home()) {
         Ok(plan) => assert!(plan.before.iter().all(|item| item.check().is_ok()), "{plan:?}"),

@@ -48,6 +48,10 @@ pub(crate) struct Cutter {
     grooves: Option<Grooves>,
     /// The tool, if it gives way (M234).
     chatter: Option<Chatter>,
+    /// Where the axes carry the point of the tool, beside where they carried it in the first pass: X, Z, mm.
+    beside_mm: [f64; 2],
+    /// The same of a tool that is put in as soon as the one before has come out of the material.
+    next_mm: Option<[f64; 2]>,
 }
 
 impl Cutter {
@@ -60,7 +64,15 @@ impl Cutter {
             pass: None,
             grooves: cuts.then(|| Grooves::new(machine)),
             chatter: mode.map(|mode| Chatter::new(mode, machine.general.cycle_s)),
+            beside_mm: [0.0; 2],
+            next_mm: None,
         }
+    }
+
+    /// A tool that is longer or shorter by so much is put in when the one before is out of the material.
+    pub(crate) fn change(&mut self, by_mm: [f64; 2]) {
+        let from = self.next_mm.unwrap_or(self.beside_mm);
+        self.next_mm = Some([from[0] + by_mm[0], from[1] + by_mm[1]]);
     }
 
     /// What is cut until the next cycle with the point of the tool at (x, z), mm, by the pass that `tags`
@@ -92,13 +104,22 @@ impl Cutter {
 
     /// Area and thickness of the chip of a tool that does not swing, mm² and mm (M74).
     fn chip(&mut self, tags: &SpindleCommand, x_mm: f64, z_mm: f64, bent_mm: f64) -> [f64; 2] {
-        let Cutter { config, tan_flank, pass, grooves: Some(grooves), .. } = self else { return [0.0; 2] };
+        let Cutter { config, tan_flank, pass, grooves: Some(grooves), beside_mm, next_mm, .. } = self else {
+            return [0.0; 2];
+        };
         let groove = in_hand(pass, grooves, tags, x_mm, z_mm);
-        let Some(groove) = groove else { return [0.0; 2] };
+        let Some(groove) = groove else {
+            *beside_mm = next_mm.take().unwrap_or(*beside_mm);
+            return [0.0; 2];
+        };
+        // What was cut is kept where the first tool was carried.
+        let [x_beside, z_beside] = *beside_mm;
+        let z_kept = z_mm - z_beside;
+        let kept = groove.into * (x_beside - groove.slope * z_beside);
         let (reach, crest) = (groove.reach_mm(x_mm, z_mm), groove.into * groove.crest_mm);
-        let earlier = grooves.earlier_mm(z_mm, crest);
-        grooves.pass_by(z_mm, reach + bent_mm);
-        let stock = [config.back_mm - z_mm, config.face_mm - z_mm];
+        let earlier = grooves.earlier_mm(z_kept, crest - kept) + kept;
+        grooves.pass_by(z_kept, reach + bent_mm - kept);
+        let stock = [config.back_mm - z_kept, config.face_mm - z_kept];
         let v = |reach: f64| v_area(reach - crest, *tan_flank, stock);
         [(v(reach) - v(earlier)).max(0.0), reach - earlier]
     }

@@ -137,8 +137,9 @@ impl Recorded {
         let (scenario, seed) = (self.scenario.clone(), self.summary.seed);
         let wrong = |error: sim_plant::PlantError| CliError::Input(error.to_string());
         let how = if let Some(before) = &self.before {
-            let (plant, seen) = before.at_rest(scenario)?;
-            let items: Items = Box::new(before.plan(&plant)?.executed(items));
+            let (mut plant, seen) = before.at_rest(scenario)?;
+            let plan = before.plan(&mut plant, self.items()?)?;
+            let items: Items = Box::new(plan.executed(items));
             observer = observer.going_on(seen);
             let rig = Rig::on_plant(&self.machine, plant, items, Straight);
             How::OneProcess(Box::new(rig), self.arrivals.changes.iter().copied().collect())

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use process::shell::Clock;
-use protocol::PerAxis;
+use protocol::{Item, PerAxis};
 use rig::{
     journal::{MOST, State, has_other_version, latest},
     observe::{Observer, Summary},
@@ -101,7 +101,7 @@ impl Left {
             return Err(CliError::Input(text.into()));
         }
         let language = &asked.language;
-        let tables = [&language.tools, &language.parameters, &language.ini];
+        let tables = [&language.parameters, &language.ini];
         let other = asked.machine.machine.is_some()
             || language.dialect.is_some()
             || !language.block_delete.is_empty()
@@ -109,11 +109,14 @@ impl Left {
             || asked.seed.is_some()
             || tables.into_iter().any(Option::is_some);
         if other {
-            let text = "--resume goes on with the machine, the tables and the seed of the run: leave out everything that says \
-                        others, or run the program from its beginning";
+            let text = "--resume goes on with the machine, the parameters and the seed of the run: leave out everything that says \
+                        others (but --tools, for a tool that was changed), or run the program from its beginning";
             return Err(CliError::Input(text.into()));
         }
-        let RunArgs { program, language, machine, gauge, .. } = self.recorded.args.clone();
+        let RunArgs { program, mut language, machine, gauge, .. } = self.recorded.args.clone();
+        if asked.language.tools.is_some() {
+            language.tools.clone_from(&asked.language.tools);
+        }
         let gauge = if asked.gauge.gauge.is_some() { asked.gauge.clone() } else { gauge };
         let seed = Some(self.recorded.summary.seed);
         Ok(RunArgs { program, language, machine, gauge, seed, in_process: true, ..asked.clone() })
@@ -131,19 +134,23 @@ impl Left {
         Ok((plant, observer))
     }
 
-    /// How its program is gone on with by a control that measures what a plant shows.
+    /// How its program is gone on with by a control that measures what a plant shows: `now` is its machine
+    /// code with the tool table of the run that goes on. If a tool is another one, the plant gets it.
     ///
     /// # Errors
     /// It is not; the text says why.
-    pub(crate) fn plan(&self, plant: &Plant) -> Result<Plan, CliError> {
+    pub(crate) fn plan(&self, plant: &mut Plant, now: impl Iterator<Item = Item>) -> Result<Plan, CliError> {
         let machine = &self.recorded.machine;
         let mut here: PerAxis<_> = machine.home();
         for (axis, config) in machine.axes() {
             here[axis.index()] = config.position(&plant.measurement().axes[axis.index()]);
         }
         let program = || self.recorded.items().into_iter().flatten();
-        resume::plan(machine, program, &self.state(), &here)
-            .map_err(|refusal| CliError::Input(format!("{}: {refusal}", self.recorded.name)))
+        let plan = resume::plan(machine, program, &self.state(), &here);
+        let plan = plan.and_then(|plan| plan.retooled(machine, program(), now));
+        let plan = plan.map_err(|refusal| CliError::Input(format!("{}: {refusal}", self.recorded.name)))?;
+        plan.changed.iter().for_each(|changed| plant.change_tool(changed.in_passes_mm));
+        Ok(plan)
     }
 }
 

@@ -165,7 +165,9 @@ impl Judged {
         }
         let (scenario, scenario_text) = read_scenario(&args, &machine)?;
         can_be_played(&scenario, &args)?;
-        let resumed = left.map(|left| Resumed::new(left, scenario.clone(), &mut program)).transpose()?;
+        let resumed = left
+            .map(|left| Resumed::new(left, scenario.clone(), &mut program, [&args, asked]))
+            .transpose()?;
         if let Some(resumed) = &resumed {
             resumed.tell(&args, quiet);
         }

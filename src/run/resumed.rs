@@ -11,7 +11,7 @@ use std::{
 use protocol::{Axis, Code, Feed, Item, SpindleSpeed};
 use rig::{
     observe::{Observer, ResumedReport},
-    resume::{Plan, Stands},
+    resume::{Changed, Plan, Stands},
 };
 use serde_json::{Value, json};
 use sim_plant::{Plant, Scenario};
@@ -32,6 +32,8 @@ pub(crate) struct Resumed {
     /// Folder of that run.
     from: PathBuf,
     left: Left,
+    /// Another tool table is named.
+    with_tools: bool,
 }
 
 impl Resumed {
@@ -40,11 +42,17 @@ impl Resumed {
     ///
     /// # Errors
     /// It is not gone on with, and why.
-    pub(super) fn new(left: Left, scenario: Scenario, program: &mut Program) -> Result<Resumed, CliError> {
+    pub(super) fn new(
+        left: Left,
+        scenario: Scenario,
+        program: &mut Program,
+        [args, asked]: [&RunArgs; 2],
+    ) -> Result<Resumed, CliError> {
         let making = words::Phase::begin("making the machine of the run again");
-        let (plant, observer) = left.at_rest(scenario)?;
+        let (mut plant, observer) = left.at_rest(scenario)?;
         drop(making);
-        let plan = left.plan(&plant)?;
+        let items = program.items(&args.program, &args.language.language(), &left.recorded.machine)?;
+        let plan = left.plan(&mut plant, items.map_while(Result::ok).fuse())?;
         let (begun_at, before) = (plan.modal.steps, plan.steps_before());
         if let Some(check) = &mut program.check {
             check.messages.retain(|note| note.after >= begun_at);
@@ -59,7 +67,8 @@ impl Resumed {
             pass: plan.pass,
             ..ResumedReport::default()
         };
-        Ok(Resumed { plant, observer, plan, report, from, left })
+        let with_tools = asked.language.tools.is_some();
+        Ok(Resumed { plant, observer, plan, report, from, left, with_tools })
     }
 
     /// Says all of it: a run on standard error, a dry run on standard output.
@@ -83,6 +92,9 @@ impl Resumed {
         let _ = writeln!(text, "stands    {}", stands(self.plan.stands));
         for item in &self.plan.way {
             let _ = writeln!(text, "way       {}", moved(item));
+        }
+        if let Some(change) = self.change() {
+            let _ = writeln!(text, "tool      {change}");
         }
         let what = self.plan.pass.map_or_else(String::new, |pass| format!(", pass {pass}, whole"));
         let _ = writeln!(text, "begins    at line {}{what}", self.plan.line);
@@ -109,8 +121,24 @@ impl Resumed {
                 "what the tool did to the groove of pass {pass} while the spindle ran down, if it stood in it: look at it"
             ));
         }
-        unknown.push("whether the part is held as it was, and whether the edge of the tool is whole".into());
+        let edge = match self.plan.changed {
+            Some(_) => "whether the new tool stands where its table says: the groove lies by it",
+            None => "whether the edge of the tool is whole",
+        };
+        unknown.push(format!("whether the part is held as it was, and {edge}"));
         unknown
+    }
+
+    /// What another tool table changes.
+    fn change(&self) -> Option<String> {
+        match self.plan.changed {
+            Some(Changed { by_mm: [x_mm, z_mm], .. }) => Some(format!(
+                "by the new table where it begins X {x_mm:+.3} Z {z_mm:+.3} mm from the one before: put it in where the old one \
+                 has come out, before the last move of the way"
+            )),
+            None if self.with_tools => Some("as it was: the table that is named changes no move".into()),
+            None => None,
+        }
     }
 
     /// What is in force where it begins.
@@ -152,6 +180,7 @@ impl Resumed {
             "passes_done": modal.passes,
             "steps_done": modal.steps,
             "tool": modal.tool,
+            "tool_changed_mm": self.plan.changed.map(|changed| changed.by_mm),
         })
     }
 

@@ -31,6 +31,7 @@ mod processes;
 mod replay;
 mod resolution;
 mod resume;
+mod retooled;
 mod signals;
 mod straight_lines;
 mod strangers;

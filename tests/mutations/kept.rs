@@ -73,6 +73,9 @@ fn journal() {
 
 #[test]
 fn touches() {
-    let texts = ["# angle Z X\n12.0 -3.1021 9.1\n190.5 -12.098 9.1\n81.0 -19.488 9.1\n7 -25.0\n", "1,2\n2,3\n9 -20.5\n"];
+    let texts = [
+        "# angle Z X\n12.0 -3.1021 9.1\n190.5 -12.098 9.1\n81.0 -19.488 9.1\n7 -25.0\n",
+        "1,2\n2,3\n9 -20.5\n",
+    ];
     mutate(targets::touches, &texts.map(|text| text.as_bytes().to_vec()));
 }

@@ -24,11 +24,14 @@ impl Observer {
     #[must_use]
     pub fn going_on(mut self, mut before: Observer) -> Observer {
         before.close();
-        if self.gauged.is_some() {
-            self.gauged = before.gauged;
-        }
+        let in_place_mm = before.out.tools.get(&before.setpoints.now().tool).and_then(|tool| tool.origin_mm);
         self.threads = before.threads;
         self.rings = before.rings.switched_on();
+        if let Some(now) = self.gauged.take() {
+            self.rings.gauges().for_each(|gauged| gauged.goes_on(&now, in_place_mm));
+            self.gauged = before.gauged;
+            self.gauged.iter_mut().for_each(|gauged| gauged.goes_on(&now, in_place_mm));
+        }
         self.earlier = before.earlier;
         self.earlier.append(&mut before.out.passes);
         self

@@ -14,6 +14,7 @@
 //! where the tool has come to the start.
 
 mod reader;
+mod retooled;
 mod route;
 
 use machine::{Kinematics, Machine};
@@ -22,6 +23,7 @@ use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, Set};
 use crate::journal::State;
 pub use reader::Modal;
 use reader::{apart_mm, end};
+pub use retooled::Changed;
 use route::{ON_MM, Step, moves, stands_on, way_back};
 
 /// A contour that is broken off has at most so many items; so far is looked for the place of the tool.
@@ -42,6 +44,8 @@ pub struct Plan {
     pub way: Vec<Item>,
     /// What is executed before the rest of the program: `way` is part of it.
     pub before: Vec<Item>,
+    /// The tool that is put in behind `way`, but for its last move, if it is another one.
+    pub changed: Option<Changed>,
 }
 
 /// Where the tool of a run that was broken off stands.
@@ -114,6 +118,32 @@ pub enum Refusal {
         /// See there.
         to_z_mm: f64,
     },
+    /// The tool table makes another program of it.
+    #[error(
+        "with this tool table line {line} makes another move, and not the same one elsewhere: only X and Z of its tools may \
+         differ from those of the run; with another radius or orientation start it from its beginning"
+    )]
+    OtherPath {
+        /// Line of the program.
+        line: u32,
+    },
+    /// A tool is too different.
+    #[error(
+        "with this tool table the tool stands X {x_mm:+.3} Z {z_mm:+.3} mm from where the one before stood, which is too far to \
+         go there unseen: put in one that is within 5 mm of it, or start the program from its beginning"
+    )]
+    AnotherTool {
+        /// Difference along X (a radius).
+        x_mm: f64,
+        /// Difference along Z.
+        z_mm: f64,
+    },
+    /// Two tools of threads differ each in its way.
+    #[error(
+        "with this tool table two tools that cut threads from there on are each changed otherwise: go on with one of them \
+         changed, or start the program from its beginning"
+    )]
+    TwoTools,
     /// The contour is too long.
     #[error(
         "the contour that begins in line {line} has more than {MOST} moves before the one that was broken off: begin \
@@ -331,19 +361,23 @@ impl Plan {
         let next = steps.iter().map(|step| &step.0).find(|item| moves(item)).unwrap_or(&first);
         let pass = if let Code::Pass(pass) = next.code { Some(pass.pass) } else { None };
         let line = next.line;
-        let before = before(&modal, &way, first.line);
-        Plan { modal, line, pass, stands, way, before }
+        let before = before(&modal, &way, None, first.line);
+        Plan { modal, line, pass, stands, way, before, changed: None }
     }
 }
 
-/// What is executed before the rest of a program.
-fn before(modal: &Modal, way: &[Item], line: u32) -> Vec<Item> {
+/// What is executed before the rest of a program. A tool that is changed behind the way there `arrives` by a
+/// move of its own.
+fn before(modal: &Modal, way: &[Item], arrives: Option<Item>, line: u32) -> Vec<Item> {
     let item = |code| Item { line, code };
+    let tool = || modal.tool.map(|number| item(Code::Tool { number }));
     let mut before = vec![item(Code::PathMode(PathMode::ExactStop))];
-    before.extend(modal.tool.map(|number| item(Code::Tool { number })));
+    // Until another tool is put in, the one that was is in place.
+    before.extend(tool().filter(|_| arrives.is_none()));
     let output = |(number, set): &(u8, Set)| Code::Output { number: *number, set: *set, in_step: false };
     before.extend(modal.outputs.iter().map(output).map(item));
     before.extend(way);
+    before.extend(arrives.into_iter().flat_map(|arrives| tool().into_iter().chain([arrives])));
     before.extend(modal.spindle.into_iter().chain(modal.coolant).map(item));
     before.push(item(Code::PathMode(modal.path)));
     before.extend(modal.formulas.values().copied().map(item));

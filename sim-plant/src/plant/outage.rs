@@ -68,6 +68,12 @@ impl Plant {
         self.bus = Bus::new(input_cycles, output_cycles, &self.fresh);
         Ok(())
     }
+
+    /// Another tool is put in, as soon as the one in place is out of the material: the axes carry its point X
+    /// (a radius) and Z so far beside where they carried the one before, mm.
+    pub fn change_tool(&mut self, by_mm: [f64; 2]) {
+        self.cutter.change(by_mm);
+    }
 }
 
 impl AxisPlant {

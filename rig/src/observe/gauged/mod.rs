@@ -88,6 +88,8 @@ pub(super) struct Gauged {
     far: Option<Place>,
     /// Whether a pass cuts the other side: a bore for a screw, a shaft for a nut.
     other_side: bool,
+    /// Where zero of the program lies for the tool in place before the program calls for one.
+    in_place_mm: Option<[f64; 2]>,
 }
 
 impl Gauged {
@@ -111,6 +113,7 @@ impl Gauged {
             turned: Turned::new(&asked.nominal, [0.0; 2]),
             far: None,
             other_side: false,
+            in_place_mm: None,
             asked,
         };
         let mut lengths_mm = Vec::with_capacity(program.len());
@@ -137,9 +140,17 @@ impl Gauged {
     /// Takes a control cycle: whether the axes are moved at a feed, and where zero of the program lies for
     /// the tool, if that is known.
     pub(super) fn turns(&mut self, at_a_feed: bool, origin_mm: Option<[f64; 2]>, truth: &Truth) {
-        let [x, z] = origin_mm.or_else(|| self.asked.origins_mm.values().next().copied()).unwrap_or_default();
+        let first = || self.asked.origins_mm.values().next().copied();
+        let [x, z] = origin_mm.or(self.in_place_mm).or_else(first).unwrap_or_default();
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
         self.turned.cycle(at_a_feed.then(|| [slide(Axis::X) - x, slide(Axis::Z) - z]));
+    }
+
+    /// What was gauged so far counts for a run that goes on, whose tools may be others: `now` is what that has
+    /// of its own, `in_place_mm` where zero of the program lies for the tool that is still in place.
+    pub(super) fn goes_on(&mut self, now: &Gauged, in_place_mm: Option<[f64; 2]>) {
+        self.asked.origins_mm.clone_from(&now.asked.origins_mm);
+        self.in_place_mm = in_place_mm;
     }
 
     fn origin_mm(&self, pass: u32) -> [f64; 2] {

@@ -1,0 +1,117 @@
+//! A tool that broke in a thread is changed, and `run RUN_DIR --resume --tools NEW` goes on with the new one:
+//! the axes carry it elsewhere, and the thread lies where it lay.
+
+use std::path::PathBuf;
+
+use rig::observe::{Outcome, PartVerdict, Summary};
+use serde_json::Value;
+
+use crate::shop::{Answer, Place};
+
+/// Turned by one tool, threaded by another, both with their lengths.
+const PROGRAM: &str = "(thread, M20x2-6g)\nG18 G21 G90 G8 G94 G97\nT1 M6 G43\nM3 S800\nG0 X9.91 Z1\nG1 Z-16 F600\nG1 X12\nG0 Z8\n\
+    T3 M6 G43\nM3 S900\nG0 X11 Z8\nG76 P2 Z-14 I-1.09 J0.8 K1.4845 R2 Q29.5 H1\nG0 X20\nM5\nM2\n";
+const TABLE: &str = "T1 P1 X0.5 Z1.0\nT3 P3 X-0.2 Z2.0\n";
+
+/// The new insert stands 0.11 mm farther out and 0.37 mm farther along.
+const BY_MM: [f64; 2] = [0.11, 0.37];
+const NEW: &str = "T1 P1 X0.5 Z1.0\nT3 P3 X-0.09 Z2.37\n";
+
+/// The run of a program that is aborted where the scenario says.
+fn aborted(place: &Place, at: &str) {
+    let program = place.write("screw.ngc", PROGRAM).display().to_string();
+    let table = place.write("shop.tbl", TABLE).display().to_string();
+    let scenario = format!("[[event]]\nat = {at}\nabort = true\n");
+    let scenario = place.write("abort.toml", scenario).display().to_string();
+    place.clear("first");
+    let asked = ["run", &program, "--in-process", "--tools", &table, "--scenario", &scenario, "--out", "first"];
+    let first = place.ask(&[&asked[..], &["--trace", "none", "--quiet"]].concat());
+    assert_eq!(first.status, Some(1), "{}", first.stderr);
+}
+
+fn with_table(place: &Place, table: &str, more: &[&str]) -> Answer {
+    let path: PathBuf = place.write("new.tbl", table);
+    let path = path.display().to_string();
+    place.ask(&[&["run", "first", "--resume", "--tools", &path][..], more].concat())
+}
+
+/// Where zero of the program lies for the tool of a pass, and where its groove crosses the index, mm of the
+/// machine: X, Z, Z.
+fn lies(summary: &Summary, pass: u32) -> [f64; 3] {
+    let pass = summary.passes.iter().rfind(|other| other.pass == pass).expect("it was cut");
+    let [x, z] = pass.origin_mm.expect("it is known");
+    [x, z, pass.helix_at_index_mm + 1e-3 * pass.tool.phase_um]
+}
+
+#[test]
+fn a_tool_that_was_changed_goes_on_in_the_groove_of_the_one_before() {
+    let place = Place::new();
+    aborted(&place, "{ pass = 3, z_mm = -5.0 }");
+    let before = Summary::read(&place.at("first/summary.json")).expect("it has one");
+
+    let told = with_table(&place, NEW, &["--dry-run"]);
+    assert_eq!(told.status, Some(0), "{}", told.stderr);
+    for words in ["X +0.110 Z +0.370 mm from the one before", "whether the new tool stands where its table says"] {
+        assert!(told.stdout.contains(words), "{}", told.stdout);
+    }
+    let told = with_table(&place, NEW, &["--dry-run", "--json"]);
+    let document: Value = serde_json::from_str(&told.stdout).expect("one document");
+    let by_mm = document["tool_changed_mm"].as_array().expect("it is told");
+    for (told, by_mm) in by_mm.iter().zip(BY_MM) {
+        assert!((told.as_f64().expect("a number") - by_mm).abs() < 1e-6, "{document}");
+    }
+
+    let answer = with_table(&place, NEW, &["--out", "on", "--trace", "none"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    let on = Summary::read(&place.at("on/summary.json")).expect("it has one");
+    assert_eq!((on.outcome, on.passes.len(), &on.faults[..]), (Outcome::Completed, 3, &[][..]));
+    assert_eq!(on.gauge.as_ref().map(|gauge| gauge.verdict), Some(PartVerdict::Good), "{:?}", on.part);
+    // On the part all grooves are one; on the machine they are as far apart as the tools.
+    let ([x, z, groove], [new_x, new_z, new_groove]) = (lies(&before, 2), lies(&on, 4));
+    assert!((new_x - x - BY_MM[0]).abs() < 1e-6 && (new_z - z - BY_MM[1]).abs() < 1e-6);
+    // Infeed along the flank moves every pass: both are held against the run of the old tool.
+    place.clear("whole");
+    let (program, table) = (place.at("screw.ngc"), place.at("shop.tbl").display().to_string());
+    let whole = place.run(&program, "whole", &["--in-process", "--tools", &table, "--trace", "none"]);
+    let [_, _, asked] = lies(&whole, 4);
+    let apart_um = 1e3 * (new_groove - BY_MM[1] - asked);
+    assert!(apart_um.abs() <= 1.5, "{apart_um:.2} um from where the old tool would have cut");
+    assert!((groove - lies(&whole, 2)[2]).abs() < 1.5e-3 && on.thread.tool_phase_spread_um <= 1.5);
+    // It is made again from its folder, bit for bit.
+    let again = place.ask(&["replay", "on"]);
+    assert_eq!(again.status, Some(0), "{}{}", again.stdout, again.stderr);
+}
+
+/// Between the tools, on the contour of the first one, and with a table that changes nothing.
+#[test]
+fn a_tool_is_changed_wherever_the_run_was_broken_off() {
+    let place = Place::new();
+    for (at, passes) in [("{ line = 6 }", 5), ("{ line = 11 }", 5), ("{ pass = 5, z_mm = -9.0 }", 1)] {
+        aborted(&place, at);
+        place.clear("on");
+        let both = "T1 P1 X0.4 Z1.2\nT3 P3 X-0.09 Z2.37\n";
+        let answer = with_table(&place, both, &["--out", "on", "--trace", "none"]);
+        assert_eq!(answer.status, Some(0), "{at}: {}", answer.stderr);
+        let on = Summary::read(&place.at("on/summary.json")).expect("it has one");
+        let verdict = on.gauge.as_ref().map(|gauge| gauge.verdict);
+        assert_eq!((on.passes.len(), verdict), (passes, Some(PartVerdict::Good)), "{at}: {:?}", on.part.reasons);
+        assert!(on.thread.tool_phase_spread_um <= 1.5, "{at}: {:?}", on.thread);
+    }
+    let told = with_table(&place, TABLE, &["--dry-run"]);
+    assert!(told.stdout.contains("changes no move"), "{}", told.stdout);
+}
+
+#[test]
+fn a_tool_table_that_makes_another_program_is_refused() {
+    let place = Place::new();
+    aborted(&place, "{ pass = 3, z_mm = -5.0 }");
+    for (table, words) in [
+        ("T1 P1 X0.5 Z1.0\nT3 P3 X-0.2 Z9.0\n", "within 5 mm"),
+        ("T1 P1 X0.5 Z1.0\n", "T3"),
+        ("T1 P1\nT3 P3 Xa\n", "new.tbl"),
+    ] {
+        let answer = with_table(&place, table, &["--out", "on"]);
+        assert!(answer.status == Some(2) && answer.stderr.contains(words), "{words}: {}", answer.stderr);
+        assert!(!place.at("on").exists());
+    }
+}
