@@ -33,6 +33,7 @@ mod resolution;
 mod resume;
 mod retooled;
 mod signals;
+mod stood;
 mod straight_lines;
 mod strangers;
 mod thread;

@@ -7,6 +7,7 @@ use rig::observe::Summary;
 
 use crate::endings::{ends, runs, slow_machine};
 use crate::shop::{Answer, Place, SCENARIOS, children, project, scenario, signal, wait_s};
+use crate::stood::stopped_s;
 
 /// Makes the run of a folder again, which has to be the same.
 pub(crate) fn is_the_same_again(place: &Place, folder: &str) -> Answer {
@@ -32,37 +33,67 @@ fn arrivals(place: &Place, folder: &str) -> Vec<String> {
     text.lines().skip(3).map(str::to_owned).collect()
 }
 
-/// Examples besides those that `determinism` runs, each with its machine.
-const MORE: [(&str, &str); 10] = [
-    ("fanuc/shaft-m24.nc", "small-lathe"),
-    ("mill/contour.ngc", "small-mill"),
-    ("positioner/points.toml", "positioner"),
-    ("shaft.ngc", "small-lathe"),
-    ("fanuc/taper-g32.nc", "small-lathe"),
-    ("fanuc/grooves-macro.nc", "small-lathe"),
-    ("mill/circle.ngc", "small-mill"),
-    ("positioner/cylinders.toml", "positioner"),
-    ("shape/contour.toml", "small-mill"),
-    ("bar-feeder/pin.ngc", "../bar-feeder/lathe"),
+/// All examples, each with its machine; the first three are made again in every run of the tests.
+const EXAMPLES: [(&str, &str); 22] = [
+    ("fanuc/shaft-m24.nc", "machines/small-lathe"),
+    ("mill/contour.ngc", "machines/small-mill"),
+    ("positioner/points.toml", "machines/positioner"),
+    ("shaft.ngc", "machines/small-lathe"),
+    ("m20x2.ngc", "machines/small-lathe"),
+    ("worm-left.ngc", "machines/small-lathe"),
+    ("internal-m30.ngc", "machines/small-lathe"),
+    ("chain.ngc", "machines/small-lathe"),
+    ("scroll.ngc", "machines/small-lathe"),
+    ("tap-m8.ngc", "machines/small-lathe"),
+    ("varied.ngc", "machines/small-lathe"),
+    ("fanuc/taper-g32.nc", "machines/small-lathe"),
+    ("fanuc/grooves-macro.nc", "machines/small-lathe"),
+    ("fanuc/variable-lead.nc", "machines/small-lathe"),
+    ("mill/circle.ngc", "machines/small-mill"),
+    ("positioner/cylinders.toml", "machines/positioner"),
+    ("positioner/wave.toml", "machines/positioner"),
+    ("shape/contour.toml", "machines/small-mill"),
+    ("shape/inline.ngc", "machines/small-mill"),
+    ("shape/wave.toml", "machines/small-mill"),
+    ("bar-feeder/pin.ngc", "bar-feeder/lathe"),
+    ("first-hour/bolt.ngc", "first-hour/my-lathe"),
 ];
 
+/// Programs below a folder, with the names of their folders.
+fn programs(folder: &Path) -> usize {
+    let files = std::fs::read_dir(folder).expect("a folder").map(|file| file.expect("a file").path());
+    let is_program = |path: &PathBuf| {
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        path.extension().is_some_and(|ending| ending == "ngc" || ending == "nc") || text.contains("\n[job]\n")
+    };
+    files.map(|path| if path.is_dir() { programs(&path) } else { usize::from(is_program(&path)) }).sum()
+}
+
+/// Without a scenario and, of `PITCHLOCK_REPLAYS=200`, in every one: all that are shipped.
 #[test]
 fn examples_are_the_same_again() {
-    let place = Place::new();
-    let count = testing::count("PITCHLOCK_REPLAYS", 3).min(10) as usize;
-    for (program, machine) in &MORE[..count] {
-        let machine = project().join("examples/machines").join(machine).with_extension("toml");
-        let machine = machine.display().to_string();
-        let program = project().join("examples").join(program);
-        let arguments = ["--in-process", "--machine", &machine];
-        run(&place, &program, "run", &arguments);
-        is_the_same_again(&place, "run");
-        for name in SCENARIOS.into_iter().filter(|_| count > 3) {
-            let scenario = scenario(name).display().to_string();
-            run(&place, &program, "run", &[&arguments[..], &["--scenario", &scenario]].concat());
+    let (place, examples) = (Place::new(), project().join("examples"));
+    assert_eq!(programs(&examples), EXAMPLES.len(), "every example is in the table");
+    let count = testing::count("PITCHLOCK_REPLAYS", 3).min(EXAMPLES.len() as u64) as usize;
+    let mut made = 0;
+    for (program, machine) in &EXAMPLES[..count] {
+        let machine = examples.join(machine).with_extension("toml").display().to_string();
+        let tools = examples.join("first-hour/tools.tbl").display().to_string();
+        let mut arguments = vec!["--in-process", "--machine", &machine];
+        if program.starts_with("first-hour") {
+            arguments.extend(["--tools", &tools]);
+        }
+        let more = SCENARIOS.into_iter().filter(|_| count > 3).map(Some);
+        for name in std::iter::once(None).chain(more) {
+            let scenario = name.map(|name| scenario(name).display().to_string());
+            let scenario = scenario.iter().flat_map(|path| ["--scenario", path]);
+            let arguments: Vec<&str> = arguments.iter().copied().chain(scenario).collect();
+            run(&place, &examples.join(program), "run", &arguments);
             is_the_same_again(&place, "run");
+            made += 1;
         }
     }
+    println!("{made} runs of {count} examples were made again");
 }
 
 #[test]
@@ -128,7 +159,7 @@ fn a_run_in_real_time_is_the_same_again() {
 /// Whether its record was whole.
 fn in_real_time_the_same_again() -> bool {
     let place = Place::new();
-    let text = "G18 G21 G90 G8 G94\nG0 X50 Z90\nG1 X49 F600\nG4 P1\nG1 X50 F600\nG4 P30\nM2\n";
+    let text = "G18 G21 G90 G8 G94\nG0 X50 Z90\nG1 X49 F600\nG4 P1\nG1 X50 F600\nG4 P90\nM2\n";
     place.write("machine.toml", slow_machine());
     let program = place.write("program.ngc", text);
     let mut command = place.pitchlock();
@@ -138,7 +169,7 @@ fn in_real_time_the_same_again() -> bool {
     // Records that are lost, machine code that is not there, frames and commands that are late: then the
     // operator ends it. Whatever came of it is the same again.
     signal(launcher.id(), "STOP");
-    wait_s(5.0);
+    wait_s(stopped_s(5.0));
     signal(launcher.id(), "CONT");
     wait_s(0.5);
     for (name, s) in [("interpreter", 0.1), ("interpolator", 0.006), ("regulator-z", 0.01)] {
