@@ -176,6 +176,7 @@ pub(super) fn of_folder(dir: &Path) -> RunArgs {
         trace: Trace::None,
         watchdog_s: 0.0,
         fell: Vec::new(),
+        unkept: false,
         resume: false,
         dry_run: false,
         json: false,

@@ -21,7 +21,7 @@ use crate::{
     run::{
         JOURNAL, RunArgs,
         claim::is_held,
-        folder::{ARRIVALS, arguments_of, input_of, may_be_programs},
+        folder::{ARRIVALS, MACHINE, arguments_of, changed, input_of, may_be_programs},
         moment,
     },
 };
@@ -173,8 +173,14 @@ fn arguments(dir: &Path, summary: Option<&Summary>, input: Option<[u8; 16]>) -> 
             return Ok(args);
         }
     }
-    let text = "the program, the machine file, tools or parameters in it are not those of its journal: they were changed \
-                since, and nobody knows where it stands in them";
+    let others = summary.map(|summary| changed(dir, summary)).unwrap_or_default();
+    let missing = dir.join(MACHINE).metadata().is_err().then(|| MACHINE.to_string());
+    let others = Vec::from_iter(others.into_iter().chain(missing));
+    let which = if others.is_empty() { String::new() } else { format!(" ({})", others.join(", ")) };
+    let text = format!(
+        "the program, the machine file, tools or parameters in it are not those of its journal: they were changed since{which}, \
+         and nobody knows where it stands in them\nhelp: put back what was changed, or run the program from its beginning"
+    );
     Err(CliError::file(dir, text))
 }
 

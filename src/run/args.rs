@@ -94,8 +94,11 @@ pub(crate) struct RunArgs {
     /// For tests: kills or freezes a process in a control cycle, as in `sim-plant:kill@1000`.
     #[arg(long, value_name = "PROCESS:HOW@CYCLE", value_parser = fell, hide = true)]
     pub(crate) fell: Vec<Fell>,
+    /// To measure what they cost: keeps no journal, nor what is needed to make the run again.
+    #[arg(long, hide = true, conflicts_with = "resume")]
+    pub(crate) unkept: bool,
     /// Go on with the run of a folder that was broken off: by a loss of power, an abort, a fault. In one
-    /// process and in virtual time.
+    /// process and in virtual time; with --tools by another table, if a tool was changed.
     #[arg(long)]
     pub(crate) resume: bool,
     /// Show where it would begin and how it would get there, and move nothing.

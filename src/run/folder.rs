@@ -50,7 +50,7 @@ const LANGUAGE: &str = "language.toml";
 const TOOLS: &str = "tool.tbl";
 const PARAMETERS: &str = "parameters.var";
 const INI: &str = "machine.ini";
-const MACHINE: &str = "machine.toml";
+pub(crate) const MACHINE: &str = "machine.toml";
 const SCENARIO: &str = "scenario.toml";
 /// The folder in it of the run that it goes on with: all that is needed to make that one again.
 pub(crate) const BEFORE: &str = "before";
@@ -291,7 +291,15 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
     }
     let folder = &args.program;
     let summary = Summary::read(&folder.join("summary.json")).map_err(|error| {
-        CliError::Input(format!("{error}\nhelp: {} is not the folder of a finished run", folder.display()))
+        let name = folder.display();
+        let help = match folder.join(JOURNAL).exists() {
+            true => format!(
+                "{name} is a run that was broken off, or goes on: `pitchlock journal {name}` shows what it knows, `pitchlock run \
+                 {name} --resume` goes on with it"
+            ),
+            false => format!("{name} is not the folder of a finished run"),
+        };
+        CliError::Input(format!("{error}\nhelp: {help}"))
     })?;
     let name = Path::new(&summary.program).file_name().unwrap_or_default();
     let mut repeated = arguments_of(args, folder, name)?;

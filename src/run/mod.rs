@@ -74,6 +74,8 @@ pub(crate) struct Setup {
     pub(crate) watchdog_s: f64,
     /// Whom a test kills or freezes.
     pub(crate) fell: Vec<Fell>,
+    /// Neither journal nor record are kept: it is measured what they cost.
+    pub(crate) unkept: bool,
     /// The run that it goes on with.
     pub(crate) resumed: Option<Resumed>,
     /// Its machine code is given by hand, and the program is what came of that.
@@ -211,6 +213,7 @@ impl Prepared {
             watchdog_s: args.watchdog_s,
             by_hand: args.by_hand,
             fell: args.fell,
+            unkept: args.unkept,
             resumed,
         };
         // The document of `panel --json` is where the panel is.

@@ -22,11 +22,12 @@ pub(crate) type Recorded = (Summary, Option<CliError>);
 pub(crate) struct Recorder {
     observer: Observer,
     trace: Option<TraceWriter>,
-    journal: Journal,
+    /// The journal, and how far the machine is; none where it is measured what they cost.
+    journal: Option<Journal>,
     /// What reached the modules otherwise than in lock step, and where that is kept.
     pub(crate) arrivals: Collector,
     kept: PathBuf,
-    live: Live,
+    live: Option<Live>,
     progress: Progress,
     cycle_s: f64,
     failed: Option<CliError>,
@@ -42,16 +43,17 @@ impl Recorder {
         };
         let head = Arrivals::head(one_process, setup.clock == Clock::Real, setup.seed);
         let observer = setup.program.observer(&setup.machine);
+        let kept = !setup.unkept;
         Ok(Recorder {
             observer: match setup.resumed.as_ref() {
                 Some(resumed) => observer.going_on(resumed.observer.clone()).resumed(resumed.report.clone()),
                 None => observer,
             },
             trace: setup.folder.trace.map(create).transpose()?,
-            journal: Journal::create(&setup.folder.path, setup.keeper())?,
+            journal: kept.then(|| Journal::create(&setup.folder.path, setup.keeper())).transpose()?,
             arrivals: Collector::new(one_process, setup.machine.cycles_per_tick()),
             kept: setup.folder.path.join(ARRIVALS),
-            live: Live::create(&setup.folder.path, &head)?,
+            live: kept.then(|| Live::create(&setup.folder.path, &head)).transpose()?,
             progress: Progress::new(setup),
             cycle_s: setup.machine.general.cycle_s,
             failed: None,
@@ -60,11 +62,15 @@ impl Recorder {
 
     /// Takes one control cycle. A trace that cannot be written (a full disk) is given up, not the run.
     pub(crate) fn cycle(&mut self, record: &Record) {
-        self.journal.cycle(record);
+        if let Some(journal) = &mut self.journal {
+            journal.cycle(record);
+        }
         let told = self.observer.told().len();
         self.observer.cycle(record);
-        self.arrivals.cycle(record);
-        self.live.cycle(record.truth.cycle.0 + 1, &self.arrivals);
+        if let Some(live) = &mut self.live {
+            self.arrivals.cycle(record);
+            live.cycle(record.truth.cycle.0 + 1, &self.arrivals);
+        }
         for message in &self.observer.told()[told..] {
             self.progress.say(&format!("line {}: {}", message.line, message.text));
         }
@@ -93,13 +99,12 @@ impl Recorder {
         self.progress.finish();
         let finished = self.trace.map(TraceWriter::finish).transpose();
         let (hash, unfinished) = finished.map_or_else(|error| (None, Some(error)), |hash| (hash, None));
-        let unwritten = self.journal.finish().err();
+        let unwritten = self.journal.and_then(|journal| journal.finish().err());
         let unwritten = unwritten.map(|error| CliError::Machine(format!("the journal: {error}")));
-        let kept = intake::replace(&self.kept, self.arrivals.finish().text().as_bytes());
-        let kept = kept.map_err(|error| CliError::file(&self.kept, error)).err();
-        if kept.is_none() {
-            self.live.remove();
-        }
+        let kept = self.live.and_then(|live| {
+            let kept = intake::replace(&self.kept, self.arrivals.finish().text().as_bytes());
+            kept.map(|()| live.remove()).map_err(|error| CliError::file(&self.kept, error)).err()
+        });
         let failed = self.failed.or(unfinished.map(CliError::from)).or(unwritten).or(kept);
         let summary = self.observer.finish().summary(program, clock_name(clock));
         (Summary { trace_file_hash: hash, ..summary }, failed)

@@ -314,6 +314,15 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
         assert_eq!(place.ask(alone).status, Some(2), "{alone:?}");
     }
 
+    // Who takes it for a run that came to its end is told what it is.
+    for command in ["run", "replay"] {
+        let answer = place.ask(&[command, "run"]);
+        assert!(
+            answer.status == Some(2) && answer.stderr.contains("run --resume` goes on"),
+            "{}",
+            answer.stderr
+        );
+    }
     // Nothing is written by a dry run.
     let before = held(&place.at("run"));
     let told = place.ask(&["run", "run", "--resume", "--dry-run"]);

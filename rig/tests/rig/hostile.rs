@@ -48,7 +48,7 @@ struct Hostile {
 }
 
 /// What stands in a field: words of eight bytes.
-fn word(seed: &mut Seed) -> u64 {
+pub(crate) fn word(seed: &mut Seed) -> u64 {
     let values = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, 1e-308, 1e6, -1.0, 0.0];
     match seed.below(values.len() + 5) {
         0 => u64::MAX,

@@ -21,6 +21,7 @@ mod operator;
 mod orders;
 mod outage;
 mod outputs;
+mod packets;
 mod poles;
 mod presses;
 mod reactions;
