@@ -17,16 +17,22 @@ const TABLE: &str = "T1 P1 X0.5 Z1.0\nT3 P3 X-0.2 Z2.0\n";
 const BY_MM: [f64; 2] = [0.11, 0.37];
 const NEW: &str = "T1 P1 X0.5 Z1.0\nT3 P3 X-0.09 Z2.37\n";
 
+/// The built-in lathe, and a soft material: what is cut is felt.
+fn soft() -> String {
+    machine::SMALL_LATHE.replace("specific_force_n_mm2 = 0.0", "specific_force_n_mm2 = 300.0")
+}
+
 /// The run of a program that is aborted where the scenario says.
 fn aborted(place: &Place, text: &str, at: &str) {
     let program = place.write("screw.ngc", text).display().to_string();
     let table = place.write("shop.tbl", TABLE).display().to_string();
     let scenario = format!("[[event]]\nat = {at}\nabort = true\n");
     let scenario = place.write("abort.toml", scenario).display().to_string();
+    place.write("lathe.toml", soft());
     place.clear("first");
     let asked =
         ["run", &program, "--in-process", "--tools", &table, "--scenario", &scenario, "--out", "first"];
-    let first = place.ask(&[&asked[..], &["--trace", "none", "--quiet"]].concat());
+    let first = place.ask(&[&asked[..], &["--machine", "lathe.toml", "--trace", "none", "--quiet"]].concat());
     assert_eq!(first.status, Some(1), "{}", first.stderr);
 }
 
@@ -75,7 +81,8 @@ fn a_tool_that_was_changed_goes_on_in_the_groove_of_the_one_before() {
     // Infeed along the flank moves every pass: both are held against the run of the old tool.
     place.clear("whole");
     let (program, table) = (place.at("screw.ngc"), place.at("shop.tbl").display().to_string());
-    let whole = place.run(&program, "whole", &["--in-process", "--tools", &table, "--trace", "none"]);
+    let arguments = ["--in-process", "--machine", "lathe.toml", "--tools", &table, "--trace", "none"];
+    let whole = place.run(&program, "whole", &arguments);
     let [_, _, asked] = lies(&whole, 4);
     let apart_um = 1e3 * (new_groove - BY_MM[1] - asked);
     assert!(apart_um.abs() <= 1.5, "{apart_um:.2} um from where the old tool would have cut");
@@ -86,7 +93,7 @@ fn a_tool_that_was_changed_goes_on_in_the_groove_of_the_one_before() {
         pass.cutting.as_ref().map_or(0.0, |cutting| cutting.force_max_n)
     };
     let [new_n, old_n] = [force_n(&on, 4), force_n(&whole, 4)];
-    assert!(old_n > 100.0 && (new_n / old_n - 1.0).abs() < 0.05, "{new_n:.0} N, the old tool {old_n:.0} N");
+    assert!(old_n > 20.0 && (new_n / old_n - 1.0).abs() < 0.05, "{new_n:.0} N, the old tool {old_n:.0} N");
     // It is made again from its folder, bit for bit.
     let again = place.ask(&["replay", "on"]);
     assert_eq!(again.status, Some(0), "{}{}", again.stdout, again.stderr);
@@ -130,7 +137,8 @@ fn a_tool_table_that_makes_another_program_is_refused() {
         assert!(!place.at("on").exists());
     }
     // With another nose the contour is another one, and nobody knows what of it was cut.
-    let nosed = PROGRAM.replace("G0 X9.91 Z1\nG1 Z-16 F600", "G42 G0 X9.91 Z1\nG1 Z-16 F600\nG40");
+    let nosed = "G42 G0 X8.91 Z1\nG1 Z-5 F600\nG1 X9.91 Z-16\nG40";
+    let nosed = PROGRAM.replace("G0 X9.91 Z1\nG1 Z-16 F600", nosed);
     aborted(&place, &nosed, "{ pass = 3, z_mm = -5.0 }");
     let blunt = TABLE.replace("Z1.0", "Z1.0 D1.6 Q2").replace("Z2.0", "Z2.1");
     let answer = with_table(&place, &blunt, &["--out", "on"]);
