@@ -2,9 +2,10 @@
 
 use machine::Machine;
 use rig::journal::{Book, Medium, State};
+use rig::trace::{Format, Row, TraceWriter};
 use zerocopy::IntoBytes as _;
 
-use crate::{corpus::ARRIVALS, mutate, targets};
+use crate::{MUTATIONS, corpus::ARRIVALS, mutate, mutate_within, targets};
 
 /// A medium that keeps what is written in memory.
 #[derive(Default)]
@@ -69,6 +70,38 @@ fn journal() {
     });
     corpus.push(book.medium().0.clone());
     mutate(targets::journal, &corpus);
+}
+
+/// What a trace may take beside its bytes: records and blocks, packed and unpacked.
+const TRACE_MEMORY: u64 = 16 << 20;
+
+/// Traces of a few cycles in both forms.
+#[test]
+fn trace() {
+    let machine = Machine::plain();
+    let items = interpreter::check("short.ngc", "G18 G21 G90 G94 G8\nG0 X50 Z90\nM2\n", &machine).items;
+    let place = tempfile::tempdir().expect("a folder");
+    let axes = [protocol::Axis::X, protocol::Axis::Z];
+    let forms = [Format::Mcap, Format::Csv];
+    let paths = forms.map(|form| place.path().join(form.file_name()));
+    let mut writers: Vec<_> = std::iter::zip(&paths, forms)
+        .map(|(path, form)| TraceWriter::create(path, form, &axes).expect("it can be written"))
+        .collect();
+    let mut rig =
+        rig::Rig::new(&machine, items.iter().copied(), sim_plant::Scenario::none(), 1).expect("a plant");
+    let mut observer = rig::observe::Observer::new(&machine, &items);
+    for _ in 0..8 {
+        rig.cycle(None, |record| {
+            observer.cycle(record);
+            let row = Row::of(record, &observer, machine.general.cycle_s);
+            writers.iter_mut().for_each(|writer| writer.row(&row).expect("there is room"));
+        });
+    }
+    writers.into_iter().for_each(|writer| {
+        writer.finish().expect("there is room");
+    });
+    let corpus = paths.map(|path| std::fs::read(path).expect("it was written"));
+    mutate_within(TRACE_MEMORY, MUTATIONS / 10, targets::trace, &corpus);
 }
 
 #[test]
