@@ -1,5 +1,5 @@
-//! What it costs to know: runs with their journal and their record, and the same without, in turn. Printed are
-//! the medians of the time on the wall and of the processor time of all processes, and their ratios.
+//! What it costs to know: runs with their journal and their record, and the same without, in turn. Printed
+//! are the medians of the time on the wall and of the processor time of all processes, and their ratios.
 //!
 //! `cargo bench --bench recording`; `PITCHLOCK_RUNS=21` takes more of each.
 #![allow(missing_docs, clippy::unwrap_used)]

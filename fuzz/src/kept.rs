@@ -34,7 +34,8 @@ pub fn arrivals(bytes: &[u8]) {
     }
 }
 
-/// The bytes as the arrivals of a run whose processes were all killed: the lines before the first damaged one.
+/// The bytes as the arrivals of a run whose processes were all killed: the lines before the first damaged
+/// one.
 pub fn arrivals_live(bytes: &[u8]) {
     let left = Arrivals::left(bytes);
     let changes: Vec<u64> = left.changes.iter().map(|(cycle, ..)| *cycle).collect();

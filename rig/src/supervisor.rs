@@ -227,7 +227,7 @@ impl Supervisor {
     }
 
     fn is_silent(&self, record: &Record) -> bool {
-        record.truth.cycle.0 > record.machine.cycle.0 + self.silent
+        record.truth.cycle.0 > record.machine.cycle.0.saturating_add(self.silent)
     }
 
     /// Whether an axis is in a tap.

@@ -24,7 +24,7 @@ pub struct ChannelCount {
     pub late: u64,
     /// The most of those in a row.
     pub late_in_row: u64,
-    /// Processes at its ends that died before they told what they had counted: the figures are at least so much.
+    /// Processes at its ends that died before they told what they had counted: the figures are the least.
     pub not_counted: Vec<String>,
 }
 

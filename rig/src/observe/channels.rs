@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::summary::is_zero;
-
 /// What went through one channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
@@ -26,4 +24,9 @@ pub struct Channel {
     /// Processes at its ends that died before they told their counts: the figures are at least so much.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_counted: Vec<String>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde asks
+pub(super) fn is_zero(count: &u64) -> bool {
+    *count == 0
 }

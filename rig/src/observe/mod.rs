@@ -51,11 +51,6 @@ use machine::{Machine, Part};
 use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, Motion, PerAxis, Truth};
 use zerocopy::IntoBytes;
 
-pub use summary::{
-    AxisLimits, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process, ServoError,
-    Summary, VERSION,
-};
-
 pub use channels::Channel;
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
@@ -69,6 +64,10 @@ pub use observation::Observation;
 pub use outputs::{AnalogReport, SignalReport};
 pub use pause::{PauseEnd, PauseReport};
 pub use rings::{ResumedReport, RingReport};
+pub use summary::{
+    AxisLimits, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process, ServoError,
+    Summary, VERSION,
+};
 pub use summary_file::{ProgramWarning, SummaryError};
 pub use tap::TapReport;
 pub use threads::ThreadReport;

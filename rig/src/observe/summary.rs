@@ -335,7 +335,7 @@ pub struct Summary {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub traces: Vec<TraceReport>,
     /// More of them, each with less deviation than those.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "super::channels::is_zero")]
     pub traces_left_out: u64,
     /// Pauses of the program.
     #[serde(default)]
@@ -360,11 +360,6 @@ pub struct Summary {
     /// The tools that the program selects, by number.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub tools: BTreeMap<u32, ToolNote>,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde asks
-pub(super) fn is_zero(count: &u64) -> bool {
-    *count == 0
 }
 
 impl PassReport {

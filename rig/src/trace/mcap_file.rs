@@ -9,6 +9,7 @@ use std::io::{BufWriter, Read};
 use std::path::Path;
 
 use mcap::{
+    records::op,
     records::{MessageHeader, Record},
     sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
@@ -113,6 +114,9 @@ pub(super) fn read(path: &Path, take: &mut impl FnMut(Row)) -> Told<()> {
                 reader.notify_read(read);
             }
             LinearReadEvent::Record { data, opcode } => {
+                if !is_ours(opcode, data)? {
+                    continue;
+                }
                 if let Some(row) = columns.record(mcap::parse_record(opcode, data)?)? {
                     take(row);
                 }
@@ -120,6 +124,35 @@ pub(super) fn read(path: &Path, take: &mut impl FnMut(Row)) -> Told<()> {
         }
     }
     Ok(())
+}
+
+/// Whether a record is one of those that a trace is read from; their texts have to lie within them, because
+/// memory is taken for what they say they have.
+fn is_ours(opcode: u8, data: &[u8]) -> Result<bool, &'static str> {
+    let (fixed, texts) = match opcode {
+        op::SCHEMA => (2, 3),
+        op::CHANNEL => (4, 3),
+        op::MESSAGE => (22, 0),
+        _ => return Ok(false),
+    };
+    let mut rest = data.get(fixed..).ok_or(SHORT)?;
+    let mut last: &[u8] = &[];
+    for _ in 0..texts {
+        (last, rest) = text(rest)?;
+    }
+    // The last of a channel is a list of texts.
+    while opcode == op::CHANNEL && !last.is_empty() {
+        (_, last) = text(last)?;
+    }
+    Ok(true)
+}
+
+const SHORT: &str = "a record of the trace is shorter than it says";
+
+/// A text behind its length, and what follows it.
+fn text(bytes: &[u8]) -> Result<(&[u8], &[u8]), &'static str> {
+    let (length, rest) = bytes.split_first_chunk().ok_or(SHORT)?;
+    rest.split_at_checked(u32::from_le_bytes(*length) as usize).ok_or(SHORT)
 }
 
 /// What a trace says of its columns, before its rows.

@@ -146,8 +146,8 @@ impl Gauged {
         self.turned.cycle(at_a_feed.then(|| [slide(Axis::X) - x, slide(Axis::Z) - z]));
     }
 
-    /// What was gauged so far counts for a run that goes on, whose tools may be others: `now` is what that has
-    /// of its own, `in_place_mm` where zero of the program lies for the tool that is still in place.
+    /// What was gauged so far counts for a run that goes on, whose tools may be others: `now` is what that
+    /// has of its own, `in_place_mm` where zero of the program lies for the tool that is still in place.
     pub(super) fn goes_on(&mut self, now: &Gauged, in_place_mm: Option<[f64; 2]>) {
         self.asked.origins_mm.clone_from(&now.asked.origins_mm);
         self.in_place_mm = in_place_mm;
