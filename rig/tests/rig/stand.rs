@@ -1,5 +1,7 @@
 //! A machine on which the tests run machine code to its end, with an observer and an operator at it.
 
+use std::{iter::Copied, slice};
+
 use machine::Machine;
 use protocol::{Item, operator::Request};
 use rig::{
@@ -20,7 +22,7 @@ pub(crate) struct Stand<'a> {
     pub(crate) seed: u64,
 }
 
-impl Stand<'_> {
+impl<'a> Stand<'a> {
     /// Runs to the end. `operator` sees every cycle and says what is done at the panel in the next one.
     pub(crate) fn run(&self, operator: impl FnMut(&Record) -> Option<Request>) -> Observation {
         self.run_as(self.items, operator)
@@ -32,19 +34,46 @@ impl Stand<'_> {
         observed: &[Item],
         mut operator: impl FnMut(&Record) -> Option<Request>,
     ) -> Observation {
+        let run = Run { observer: Observer::new(self.machine, observed), ..self.begin() };
+        run.to_its_end(&mut operator)
+    }
+
+    /// A run that has not begun yet.
+    pub(crate) fn begin(&self) -> Run<'a> {
         let scenario = Scenario::from_toml(self.scenario).expect("the scenarios of the tests are sound");
-        let mut rig = Rig::new(self.machine, self.items.iter().copied(), scenario, self.seed)
-            .expect("the machines of the tests can be built");
-        let mut observer = Observer::new(self.machine, observed);
-        let mut request = None;
+        let rig = Rig::new(self.machine, self.items.iter().copied(), scenario, self.seed);
+        Run {
+            rig: rig.expect("the machines of the tests can be built"),
+            observer: Observer::new(self.machine, self.items),
+            request: None,
+        }
+    }
+}
+
+/// A run on its way. A copy of it goes on as if there were no other.
+#[derive(Clone)]
+pub(crate) struct Run<'a> {
+    rig: Rig<Copied<slice::Iter<'a, Item>>>,
+    observer: Observer,
+    /// What is done in the next cycle.
+    request: Option<Request>,
+}
+
+impl Run<'_> {
+    /// One control cycle; says whether there are more.
+    pub(crate) fn cycle(&mut self, operator: &mut impl FnMut(&Record) -> Option<Request>) -> bool {
+        let Run { rig, observer, request } = self;
+        rig.cycle(request.take(), |record| {
+            observer.cycle(record);
+            *request = operator(record);
+        })
+    }
+
+    /// All that is left of it.
+    pub(crate) fn to_its_end(mut self, operator: &mut impl FnMut(&Record) -> Option<Request>) -> Observation {
         for _ in 0..PATIENCE {
-            let now = request.take();
-            let more = rig.cycle(now, |record| {
-                observer.cycle(record);
-                request = operator(record);
-            });
-            if !more {
-                return observer.finish();
+            if !self.cycle(operator) {
+                return self.observer.finish();
             }
         }
         panic!("the program does not end");

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use super::{BUTTONS, HEAD, Job, POLICIES, Request, at_random, with};
+use super::{BUTTONS, HEAD, Job, POLICIES, Request, at_random, at_random_on, with};
 use crate::stand::{Stand, compiled};
-use machine::Machine;
+use machine::{Machine, ProgramDialect};
 use protocol::{Axis, AxisState, Code, ThreadPass};
 use testing::Seed;
 
@@ -53,6 +53,26 @@ fn presses_in_a_chain_on_a_face() {
     at_random("chain on a face", FACE, 24);
 }
 
+/// A barrel between two cylinders, and a hollow: threads along arcs, in FANUC's words.
+#[test]
+fn presses_in_threads_along_arcs() {
+    let fanuc = |policy| {
+        let mut machine = with(policy);
+        machine.general.dialect = ProgramDialect::Fanuc;
+        machine
+    };
+    let of = |s_rpm: u32, middle: &str| {
+        format!(
+            "%\nO0001\nG97 S{s_rpm} M03\nG00 X40. Z8.\nG00 X20.\nG32 Z0. F1.\n{middle}\nG32 Z-26. F1.5\nG00 X40.\n\
+             Z10.\nM30\n%\n"
+        )
+    };
+    for s_rpm in [100, 400] {
+        at_random_on("barrel", &of(s_rpm, "G36 X20. Z-18. R20. F1."), fanuc, 12);
+        at_random_on("hollow", &of(s_rpm, "G35 X20. Z-18. R40. F1."), fanuc, 12);
+    }
+}
+
 /// The cycles in which an undisturbed run is at the borders and the corner of each window.
 fn borders(job: &Job) -> BTreeSet<u64> {
     let pass: ThreadPass = *job.pass(1);
@@ -77,9 +97,11 @@ fn borders(job: &Job) -> BTreeSet<u64> {
 fn a_press_at_every_cycle_around_each_corner_of_a_chain() {
     let job = Job::new(&chain(600), with(POLICIES[1]));
     let around = |border: u64| border.saturating_sub(9)..border + 3;
+    let mut way = job.begin();
     for at in borders(&job).into_iter().flat_map(around).collect::<BTreeSet<u64>>() {
+        way.to(at);
         for button in [Request::FeedHold, Request::Stop, Request::Abort, Request::EmergencyStop] {
-            job.press(&format!("{button:?} at {at}"), &[(at, button)], at + 1500);
+            job.press_from(way.clone(), &format!("{button:?} at {at}"), &[(at, button)], at + 1500);
         }
     }
 }

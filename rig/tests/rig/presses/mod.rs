@@ -11,16 +11,18 @@
 
 mod chain;
 mod watch;
+mod way;
 
 use std::collections::BTreeSet;
 
-use machine::{Machine, Reaction};
+use machine::{Machine, ProgramDialect, Reaction};
 use protocol::{AxisState, Code, Item, ThreadPass, operator::Request};
 use rig::observe::{Observation, Outcome};
 use testing::Seed;
 
 use crate::stand::{Stand, compiled};
 use watch::{Cutting, Watch};
+use way::Way;
 
 const HEAD: &str = "G18 G21 G90 G8 G94 G97\n";
 const SHORT: &str = "M3 S300\nG0 X10.8 Z0.95\nG0 X10\nG33 Z0 K0.25\nG0 X10.8\nG0 Z1\nM2\n";
@@ -86,7 +88,8 @@ struct Seen {
 
 impl Job {
     fn new(program: &str, machine: Machine) -> Job {
-        let items = compiled(&machine, &format!("{HEAD}{program}"));
+        let head = if machine.general.dialect == ProgramDialect::Fanuc { "" } else { HEAD };
+        let items = compiled(&machine, &format!("{head}{program}"));
         let mut job =
             Job { machine, items, moves: 0, end_mm: vec![], cycles: 0, borders: vec![], phases_um: vec![] };
         let seen = job.run("undisturbed", |_| None);
@@ -120,24 +123,26 @@ impl Job {
         self.passes().find(|pass| pass.pass == number).expect("a pass of the program")
     }
 
+    /// It has not begun yet.
+    fn begin(&self) -> Way<'_> {
+        let stand = Stand { machine: &self.machine, items: &self.items, scenario: "", seed: 7 };
+        Way::new(stand.begin(), Watch::new(self))
+    }
+
     /// Runs it to its end with what the operator does in each cycle, and checks every cycle.
     fn run(&self, what: &str, presses: impl Fn(u64) -> Option<Request>) -> Seen {
-        let stand = Stand { machine: &self.machine, items: &self.items, scenario: "", seed: 7 };
-        let mut watch = Watch::new(self);
-        let observation = stand.run(|record| {
-            watch.cycle(what, record);
-            presses(record.truth.cycle.0)
-        });
-        let Watch { end_mm, moves, borders, cut, turns_at_depth, most_turns, most_mm, .. } = watch;
-        let turns = [turns_at_depth, most_turns];
-        let cycles = observation.cycles;
-        Seen { cycles, observation, moves, end_mm, borders, cut, turns, most_mm }
+        self.begin().to_its_end(what, presses)
     }
 
     /// Runs it with these presses. Cycle start is pressed again and again from `release` on: nobody waits for
     /// ever.
     fn press(&self, what: &str, presses: &[(u64, Request)], release: u64) -> Seen {
-        let seen = self.run(what, |cycle| {
+        self.press_from(self.begin(), what, presses, release)
+    }
+
+    /// The same on the way, before the first of them.
+    fn press_from(&self, way: Way, what: &str, presses: &[(u64, Request)], release: u64) -> Seen {
+        let seen = way.to_its_end(what, |cycle| {
             let pressed = presses.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
             let released = cycle >= release && (cycle - release).is_multiple_of(400);
             pressed.or(released.then_some(Request::CycleStart))
@@ -200,7 +205,12 @@ fn with([on_hold, on_stop]: [Reaction; 2]) -> Machine {
 
 /// Random presses: as many runs as `count`, each with one to five of them, with every policy in turn.
 fn at_random(name: &str, program: &str, count: u64) {
-    let jobs = POLICIES.map(|policy| Job::new(program, with(policy)));
+    at_random_on(name, program, with, count);
+}
+
+/// The same on a machine of one's own.
+fn at_random_on(name: &str, program: &str, machine: fn([Reaction; 2]) -> Machine, count: u64) {
+    let jobs = POLICIES.map(|policy| Job::new(program, machine(policy)));
     let (mut turns, mut mm, mut again) = ([0.0_f64; 2], 0.0_f64, 0);
     for case in 0..testing::count("PITCHLOCK_PRESSES", count) {
         let job = &jobs[case as usize % jobs.len()];
@@ -297,11 +307,13 @@ fn at_each_border(program: &str) {
     for policy in [POLICIES[1], POLICIES[3]] {
         let job = Job::new(program, with(policy));
         let around = |border: &u64| border.saturating_sub(9)..border + 3;
+        let mut way = job.begin();
         for at in job.borders.iter().flat_map(around).collect::<BTreeSet<u64>>() {
+            way.to(at);
             for button in [Request::FeedHold, Request::Stop, Request::Abort, Request::EmergencyStop] {
                 for release in [at + 5, at + 1500] {
                     let what = format!("{policy:?}: {button:?} at {at}, released at {release}");
-                    job.press(&what, &[(at, button)], release);
+                    job.press_from(way.clone(), &what, &[(at, button)], release);
                 }
             }
         }
@@ -328,15 +340,12 @@ fn nothing_has_moved_when_a_pass_is_called_off_at_any_interpolator_cycle() {
         machine.check().expect("a machine file may say so");
         let job = Job::new(SHORT, machine);
         let threading = job.borders.iter().copied().filter(|at| *at > 100);
-        for (border, case) in threading.zip(0_u64..) {
-            for ahead in 0..u64::from(ticks) + 12 {
-                let at = border.saturating_sub(ahead);
-                job.press(
-                    &format!("{ticks} cycles a tick, hold at {at}, case {case}"),
-                    &[(at, Request::FeedHold)],
-                    at + 900,
-                );
-            }
+        let ahead = |border: u64| border.saturating_sub(u64::from(ticks) + 11)..=border;
+        let mut way = job.begin();
+        for at in threading.flat_map(ahead).collect::<BTreeSet<u64>>() {
+            way.to(at);
+            let what = format!("{ticks} cycles a tick, hold at {at}");
+            job.press_from(way.clone(), &what, &[(at, Request::FeedHold)], at + 900);
         }
     }
 }
@@ -356,12 +365,14 @@ fn a_hold_of_some_cycles_around_the_index_costs_nothing_but_a_turn() {
             machine.check().expect("a machine file may say so");
             let job = Job::new("M3 S900\nG0 X12 Z6\nG76 P2 Z0 I-1 J0.3 K0.35\nM2\n", machine);
             let index = job.index();
+            let mut way = job.begin();
             for at in index - 10..index + 40 {
+                way.to(at);
                 let near = (index - 2..index + 6).contains(&at);
                 for long in if near { 1..=8 } else { at % 8 + 1..=at % 8 + 1 } {
                     let what =
                         format!("{ticks} cycles a tick, {policy:?}: hold at {at} for {long}, index {index}");
-                    let seen = job.press(&what, &[(at, Request::FeedHold)], at + long);
+                    let seen = job.press_from(way.clone(), &what, &[(at, Request::FeedHold)], at + long);
                     assert_eq!(seen.observation.outcome, Outcome::Completed, "{what}");
                 }
             }

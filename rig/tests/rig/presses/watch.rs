@@ -33,6 +33,7 @@ struct InPass {
     moved: bool,
 }
 
+#[derive(Clone)]
 pub(super) struct Watch<'a> {
     job: &'a Job,
     last_mm: Vec<f64>,
@@ -106,7 +107,8 @@ impl<'a> Watch<'a> {
             let limits = self.job.machine.axis[axis].limits();
             let (now, now_s) = (status.commanded_mm, status.velocity_mm_s);
             let (step, change) = ((now - before).abs(), (now_s - before_s).abs());
-            let at = format!("{what}, cycle {}, {axis:?} in state {}", record.truth.cycle.0, status.state);
+            let at =
+                format_args!("{what}, cycle {}, {axis:?} in state {}", record.truth.cycle.0, status.state);
             assert!(step <= spare * limits.v * cycle_s * (1.0 + 1e-4) + 1e-6, "{at}: {before} → {now} mm");
             assert!(change <= spare * limits.a * cycle_s * 1.02 + 1e-6, "{at}: {before_s} → {now_s} mm/s");
             assert!(!self.over || step < 2e-9, "{at}: moves after the end by {step:e} mm");
@@ -149,7 +151,7 @@ impl<'a> Watch<'a> {
         if record.axes.iter().any(|(_, status)| is(status, AxisState::Leaving)) {
             now.left = now.left.or(Some((c, tool.motor_mm)));
         }
-        let at = format!("{what}, cycle {}", truth.cycle.0);
+        let at = format_args!("{what}, cycle {}", truth.cycle.0);
         if in_groove {
             let error = (slide.motor_mm - helix_mm).abs();
             self.most_mm = self.most_mm.max(error);
