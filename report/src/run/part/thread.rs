@@ -27,8 +27,8 @@ pub(super) struct Thread {
     pub(super) root_mm: f64,
     /// Edges at their places, of each pass of the run.
     pub(super) passes: Vec<Vec<Tip>>,
-    /// A place on the crest, and how y changes along Z.
-    crest: ([f64; 2], f64),
+    /// Places on the crest by Z, two at least: it goes straight from one to the next, and on beyond them.
+    crest: Vec<[f64; 2]>,
     /// Nobody said where the crest is: it is drawn by the pitch line of the gauge.
     pub(super) crest_is_guessed: bool,
 }
@@ -54,12 +54,18 @@ impl Thread {
             passes[index].iter().map(|tip| tip.at).filter(|[z, _]| (low..=high).contains(z)).collect();
         let lead_mm = pass.lead_mm.abs();
         let is_along = |two: &[[f64; 2]]| ((two[1][0] - two[0][0]).abs() - lead_mm).abs() < ALONG * lead_mm;
-        if full.is_empty() || !full.windows(2).all(is_along) || high - low < ALONG * lead_mm {
+        let is_chain = !pass.lead_changes.is_empty();
+        let goes_along = is_chain || full.windows(2).all(is_along);
+        if full.is_empty() || !goes_along || high - low < ALONG * lead_mm {
             return None;
         }
         let pitch_mm = pitch_mm(summary, lead_mm);
         let deepest = full[full.len() / 2];
-        let (crest, crest_is_guessed) = crest(summary, pass, [first, last], sign)?;
+        let ((place, slope), crest_is_guessed) = crest(summary, pass, [first, last], sign)?;
+        let crest = match is_chain {
+            true => beside(&full, place),
+            false => vec![place, [place[0] + 1.0, place[1] + slope]],
+        };
         let (middle_mm, root_mm) = groove(&passes, deepest, pitch_mm, pass.depth_mm);
         Some(Thread {
             sign,
@@ -76,8 +82,9 @@ impl Thread {
 
     /// y of the crest.
     pub(super) fn crest_at(&self, z: f64) -> f64 {
-        let ([z0, y0], slope) = self.crest;
-        y0 + slope * (z - z0)
+        let behind = self.crest.partition_point(|place| place[0] < z).clamp(1, self.crest.len() - 1);
+        let ([z0, y0], [z1, y1]) = (self.crest[behind - 1], self.crest[behind]);
+        y0 + (y1 - y0) * (z - z0) / (z1 - z0)
     }
 
     /// What one pass leaves, or all of them.
@@ -142,6 +149,20 @@ fn crest(
     let known = limits.crest_mm[most].map(y);
     let crest = known.unwrap_or(y(limits.pitch_diameter_mm[most]) + over);
     Some((([limits.plane_mm, crest], slope), known.is_none()))
+}
+
+/// The crest of a chain of threads: beside its grooves, through a place.
+fn beside(grooves: &[[f64; 2]], [z, y]: [f64; 2]) -> Vec<[f64; 2]> {
+    let mut crest = grooves.to_vec();
+    crest.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    crest.dedup_by(|one, other| one[0] == other[0]);
+    let near = crest.iter().copied().min_by(|one, other| (one[0] - z).abs().total_cmp(&(other[0] - z).abs()));
+    let over = near.map_or(0.0, |near| y - near[1]);
+    crest.iter_mut().for_each(|place| place[1] += over);
+    if let [only] = crest[..] {
+        crest.push([only[0] + 1.0, only[1]]);
+    }
+    crest
 }
 
 /// Where the part is drawn, as far as the stock goes.
