@@ -12,7 +12,7 @@ use crate::points::Points;
 use crate::reach::{Done, missing, within_travel};
 
 /// Refuses arcs in a plane that the machine does not have, or that is turned out of its axes, and threads
-/// along arcs.
+/// in another plane than that of a lathe.
 pub(crate) fn check_plane(modal: &Modal, machine: &Machine) -> Done {
     let (first, second, _) = modal.plane.axes();
     let lacks = |coordinate: usize| {
@@ -27,8 +27,8 @@ pub(crate) fn check_plane(modal: &Modal, machine: &Machine) -> Done {
         let what = "an arc across the plane of X and Y in a coordinate system turned about Z";
         return Err(missing(what, "turn it back with G10 L2 R0, or cut the arc in G17"));
     }
-    if modal.synchronised.is_some() {
-        return Err(missing("a thread along an arc", "cut it along lines"));
+    if modal.synchronised.is_some() && modal.plane != Plane::Xz {
+        return Err(missing("a thread along an arc outside the plane of X and Z", "choose it with G18"));
     }
     Ok(())
 }

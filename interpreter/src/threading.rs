@@ -17,8 +17,8 @@ use crate::reach::{Done, missing, within_travel};
 use crate::spindle::Turning;
 use crate::tapping;
 use crate::thread::{
-    Along, Chain, Cut, Cycle, Leg, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, plan, plans,
-    rounded, top_share, varied,
+    Along, Chain, Cut, Cycle, Leg, MOST_PASSES, Next, Plan, Point, Policy, Round, Said, Single, Starts, plan,
+    plans, rounded, top_share, varied,
 };
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
@@ -118,11 +118,13 @@ impl Threads {
             let help = "leave Q out, or put a G0 between the threads";
             return Err(Problem::error("bad-value", Blame::Word('Q'), message, help));
         }
+        let before = held.single.legs.len();
         for leg in next.legs {
-            match held.single.contradicts(&leg) {
-                Some(why) => return Err(why.problem(frame)),
-                None => held.single.legs.push(leg),
+            if let Some(why) = held.single.contradicts(&leg) {
+                held.single.legs.truncate(before);
+                return Err(why.problem(frame));
             }
+            held.single.legs.push(leg);
         }
         Ok(())
     }
@@ -286,10 +288,11 @@ fn mostly_shallow((line, units): (u32, Units), cut: &Cut, [from, to]: [f64; 2]) 
         .then(|| *Problem::warning("mostly-shallow", Blame::Line(line), message, help))
 }
 
-/// G33: one pass along the path to the target, or what goes on from one. `line` of the program.
+/// G33: one pass along the path to the target, a line or an arc, or what goes on from one. `line` of the
+/// program.
 pub(crate) fn single(
     (line, goes_on): (u32, bool),
-    target: &gcode::Pose,
+    (target, round): (&gcode::Pose, Option<Round>),
     synchronised: &Synchronised,
     points: &Points,
     turning: Turning<'_>,
@@ -311,16 +314,19 @@ pub(crate) fn single(
         let help = "let it follow at once, so that both are one chain, or put a G0 between them";
         return Err(Problem::error("not-available", Blame::Block, message, help));
     }
-    let leg = Leg { line, to, k_mm: lead_mm, growth_mm };
-    if let Err(why) = Chain::of(from, &[leg]) {
-        return Err(why.problem(turning.frame.units));
-    }
+    let legs = match round {
+        Some(round) => round.legs(line, [from, to], lead_mm),
+        None => Leg::straight(line, [from, to], lead_mm, growth_mm).map(|leg| vec![leg]),
+    };
+    let legs = legs.and_then(|legs| Chain::of(&legs).map(|_| legs));
+    let legs = legs.map_err(|why| why.problem(turning.frame.units))?;
+    legs.iter().try_for_each(|leg| within_travel(machine, Axis::X, leg.to.x, Blame::Block))?;
     Ok(Single {
         s_rpm,
         direction,
         units: turning.frame.units,
         from,
-        legs: vec![leg],
+        legs,
         start_deg,
         next: Next::Stays,
         outwards: points.outwards(),
@@ -363,7 +369,7 @@ pub(crate) fn cycle_on_machine(
 }
 
 /// X and Z of a point.
-fn in_plane(point: &gcode::Pose) -> Point {
+pub(crate) fn in_plane(point: &gcode::Pose) -> Point {
     Point { x: point[X], z: point[Z] }
 }
 

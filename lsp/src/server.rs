@@ -223,7 +223,7 @@ impl Document {
             let Some(tenths) = number.map(|number| (10.0 * number).round() as u16) else { return false };
             match self.dialect {
                 Dialect::Linuxcnc => g_group(G(tenths)) == g_group(G(10)),
-                Dialect::Fanuc => matches!(tenths, 0..40 | 320 | 340 | 800..900 | 900 | 920 | 940),
+                Dialect::Fanuc => matches!(tenths, 0..40 | 320 | 340..=360 | 800..900 | 900 | 920 | 940),
                 Dialect::FanucMill => matches!(tenths, 0..40 | 730..900),
             }
         })

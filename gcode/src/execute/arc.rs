@@ -49,6 +49,24 @@ pub(super) fn arc(code: G, block: &Block, state: &mut State, out: &mut Output) -
     Ok(())
 }
 
+/// The arc of G35 and G36, with the words of G2 and G3.
+///
+/// # Errors
+/// As of those.
+pub(crate) fn along_thread(
+    code: G,
+    block: &Block,
+    state: &State,
+    out: &mut Output,
+) -> Result<Arc, Box<Problem>> {
+    programmed(code, block, state, out)
+}
+
+/// G2, G35.
+fn is_clockwise(code: G) -> bool {
+    matches!(code, G(20 | 350))
+}
+
 /// Where an arc ends.
 fn end(arc: &Arc, plane: Plane) -> Pose {
     let (first, second, along) = plane.axes();
@@ -86,7 +104,7 @@ fn programmed(code: G, block: &Block, state: &State, out: &mut Output) -> Result
     } else {
         center_of_radius(code, block, state, start, end)?
     };
-    let turns = if code == G(20) { -turns } else { turns };
+    let turns = if is_clockwise(code) { -turns } else { turns };
     Ok(Arc { end, center, turns, along: target[along], rotary: [target[A], target[B], target[C]] })
 }
 
@@ -237,7 +255,7 @@ fn center_of_radius(
     }
     let ratio = if half / size > HALF_CIRCLE { 1.0 } else { half / size };
     let chord = libm::atan2(end[1] - start[1], end[0] - start[0]);
-    let to_the_right = (code == G(20)) == (radius > 0.0);
+    let to_the_right = is_clockwise(code) == (radius > 0.0);
     let across = if to_the_right { straight::minus_quarter(chord) } else { -straight::minus_quarter(-chord) };
     let offset = size * libm::cos(libm::asin(ratio));
     Ok([middle[0] + offset * libm::cos(across), middle[1] + offset * libm::sin(across)])

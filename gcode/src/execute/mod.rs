@@ -26,7 +26,7 @@
 //! | `thin.rs` | depths of cut that are hardly meant |
 //! | `stop.rs` | M0 M1 M60, M2 M30, end of the tape |
 
-mod arc;
+pub(crate) mod arc;
 mod check;
 pub(crate) mod compensation;
 pub(crate) mod context;

@@ -68,6 +68,7 @@ fn rest(deed: Deed, corner: Option<Pose>, run: &mut Execution) -> Done {
             run.execute()
         }
         320 | 340 => threads::single_move(code, run),
+        350 | 360 => threads::along_arc(code, run),
         760 => threads::cycle(run),
         900 | 920 | 940 => single::cycle(code, run),
         740 | 750 => pecks::cycle(code, run),
@@ -159,16 +160,22 @@ fn travel(code: G, end: Pose, run: &mut Execution) -> Done {
     run.add_g(group::MOTION, code)?;
     run.add_point(&end)?;
     if matches!(code.0, 20 | 30) {
-        if run.line.length('R').is_some_and(|radius| radius <= 0.0) {
-            let message = format!("R{} is not a radius", short(run.line.length('R').unwrap_or(0.0)));
-            let help = "R is greater than 0; an arc of more than 180 degrees is written with I and K";
-            return Err(Problem::error("bad-value", Blame::Word('R'), message, help));
-        }
-        for letter in ['I', 'K', 'R'] {
-            if let Some(value) = run.line.length(letter) {
-                run.add(letter, value)?;
-            }
-        }
+        round(run)?;
     }
     run.execute()
+}
+
+/// The words of an arc beside its end.
+pub(super) fn round(run: &mut Execution) -> Done {
+    if let Some(radius) = run.line.length('R').filter(|radius| *radius <= 0.0) {
+        let message = format!("R{} is not a radius", short(radius));
+        let help = "R is greater than 0; an arc of more than 180 degrees is written with I and K";
+        return Err(Problem::error("bad-value", Blame::Word('R'), message, help));
+    }
+    for letter in ['I', 'K', 'R'] {
+        if let Some(value) = run.line.length(letter) {
+            run.add(letter, value)?;
+        }
+    }
+    Ok(())
 }

@@ -27,18 +27,10 @@ const ONCE: [u16; 14] = [40, 100, 280, 300, 500, 520, 530, 700, 710, 720, 730, 7
 
 /// Codes that are known but not executed, why not, and what to write in their place.
 const REFUSED: &[(&[u16], (&str, &str))] = &[
-    (&[350], ("a thread lies on straight lines", "write the arc as a chain of short G32, each with its end")),
     (&[71, 1070, 121, 1120], ("there is no driven C axis", "turn the contour with G01, G02 and G03")),
     (&[220, 230, 250, 260], ("limits of travel and speed belong to the machine file", "leave it out")),
     (&[270, 290, 301], ("G28 and G30 are the ways home", "use G28 or G30")),
     (&[310, 370], ("nothing is measured", "measure the tool or the part first, and write the value")),
-    (
-        &[360],
-        (
-            "nothing is measured, and a thread lies on straight lines",
-            "measure the tool first and write the value; write an arc as a chain of short G32",
-        ),
-    ),
     (&[661], ("G66 calls a macro behind each move", "use G66")),
     (&[680], ("there is one turret", "write the blocks for it alone")),
     (&[170, 190], ("a lathe works in the plane of X and Z", "use G18")),
@@ -72,7 +64,7 @@ pub(super) fn does_nothing(code: G, mill: bool) -> Option<(&'static str, u32)> {
 pub(super) fn g_group(code: G, span: Span) -> Result<usize, Box<Problem>> {
     Ok(match code.0 {
         tenths if ONCE.contains(&tenths) => group::ONCE,
-        0 | 10 | 20 | 30 | 320 | 340 | 900 | 920 | 940 => group::MOTION,
+        0 | 10 | 20 | 30 | 320 | 340 | 350 | 360 | 900 | 920 | 940 => group::MOTION,
         180 => group::PLANE,
         650 | 660 | 670 => MACRO,
         800 | 810 | 820 | 830 | 840 | 850 | 860 | 890 => DRILLING,
@@ -145,6 +137,7 @@ fn words_of_g(code: G) -> u32 {
         300 => POINT | bits("PV"),
         320 => POINT | bits("Q"),
         340 => POINT | bits("QK"),
+        350 | 360 => POINT | bits("IKRQ"),
         500 => POINT,
         650 | 660 => bits("PL"),
         700 => bits("PQUWD"),

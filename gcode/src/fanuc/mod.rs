@@ -261,7 +261,8 @@ impl Control {
     /// The program is taken to be where the move of a refused block was to go.
     fn skip_to_end(&mut self, state: &mut State, out: &mut Output) {
         let line = &self.line;
-        let moves = matches!(self.modal.motion, G(0 | 10 | 20 | 30 | 320 | 340)) && line.has_any("XYZUW");
+        let moves =
+            matches!(self.modal.motion, G(0 | 10 | 20 | 30 | 320 | 340 | 350 | 360)) && line.has_any("XYZUW");
         if !moves || line.block.g(group::ONCE).is_some() || self.modal.pending.is_some() {
             return;
         }

@@ -101,7 +101,7 @@ pub(super) fn feed(deed: Deed, run: &mut Execution) -> Done {
         mode = new;
     }
     let Some(value) = run.line.plain('F') else { return Ok(()) };
-    let thread = matches!(deed, Deed::G(G(320 | 340 | 920 | 760)));
+    let thread = matches!(deed, Deed::G(G(320 | 340 | 350 | 360 | 920 | 760)));
     if thread {
         run.modal.lead = Some(value);
     }

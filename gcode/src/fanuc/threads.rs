@@ -1,5 +1,5 @@
-//! Threads: G32 (one move), G34 (the same with a lead that grows), G76 in two lines or one, the thread of
-//! G92.
+//! Threads: G32 (one move), G34 (the same with a lead that grows), G35 and G36 (along an arc), G76 in two
+//! lines or one, the thread of G92.
 //!
 //! In: words of the block; F is the lead along the axis with the longer way. Out: moves that follow the
 //! spindle, or a [`ThreadCycle`].
@@ -7,6 +7,7 @@
 //! ```text
 //! G32   lead along the way = F √(ΔX² + ΔZ²) / max(|ΔX|, |ΔZ|)                                    (1)
 //! G34   the same of F, the lead where it begins, and of K, by how much it grows in a turn
+//! G35   G36: F the lead along Z; X Z I K R as of G02 and G03
 //! G76   P(m)(r)(a) Q(least cut) R(finishing allowance)
 //!       X Z R(i) P(k) Q(Δd) F         depth of pass n = Δd √n, no cut less than Q,
 //!                                     R left for m finishing passes                            (2)
@@ -17,13 +18,14 @@
 //! G92 pulls out over as long a chamfer as G76 was last told, one lead if it never was. Where X cannot
 //! follow a chamfer it leaves as steeply as it can.
 
+use super::block;
 use super::execution::{Execution, target};
 use super::line::Line;
 use super::modal::{Modal, ThreadFirst};
 use super::points::doubt_cut;
 use crate::bounds::MOST_PASSES;
 use crate::canon::{Call, Degression, Pose, ThreadCycle, X, Z};
-use crate::codes::G;
+use crate::codes::{G, group};
 use crate::execute;
 use crate::execute::Done;
 use crate::problem::{Blame, Problem, short};
@@ -68,6 +70,30 @@ pub(super) fn single_move(code: G, run: &mut Execution) -> Done {
     let (lead, growth) = (lead * stretch, growth * stretch);
     run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg, growth })?;
     run.out.call(Call::StraightFeed(end))?;
+    run.out.call(Call::StopSpeedFeedSynch)?;
+    run.state.axes.position = end;
+    Ok(())
+}
+
+/// G35, G36: along an arc, clockwise and counterclockwise.
+pub(super) fn along_arc(code: G, run: &mut Execution) -> Done {
+    if code == G(360) && !run.line.has_any("IKR") {
+        let message = "G36 without I, K or R measures a tool on most controls, and nothing is measured here";
+        let help =
+            "measure the tool first and write the value; a thread along an arc has its centre or radius";
+        return Err(Problem::error("not-available", Blame::G(code), message, help));
+    }
+    let end = target(run.line, run.state.axes.position)?;
+    let lead = lead(run.modal)?;
+    let start_deg = start_angle(run.line)?;
+    execute::threading::ready(code, run.state, run.out)?;
+    run.begin();
+    run.add_g(group::MOTION, code)?;
+    run.add_point(&end)?;
+    block::round(run)?;
+    let arc = execute::arc::along_thread(code, run.equivalent, run.state, run.out)?;
+    run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg, growth: 0.0 })?;
+    run.out.call(Call::ArcFeed(arc))?;
     run.out.call(Call::StopSpeedFeedSynch)?;
     run.state.axes.position = end;
     Ok(())

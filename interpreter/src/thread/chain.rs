@@ -1,5 +1,6 @@
 //! Threads that follow each other without a new index, and leads that grow: one path, along which the lead
-//! changes at corners. In: legs, each with its end, mm, and its lead. Out: corners by spindle angle.
+//! changes at corners. In: legs, each with its end, mm, and its lead. Out: corners by spindle angle. A thread
+//! along an arc is several legs (`round.rs`).
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -18,17 +19,21 @@ use super::cut::{Along, Cut, Point};
 /// Leads and growths that differ by less are one, mm.
 const SAME: f64 = 1e-12;
 
-/// One thread of a chain.
+/// One thread of a chain, or a piece of one along an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Leg {
     /// Line of the program.
     pub(crate) line: u32,
     /// Where it ends, mm, X a radius.
     pub(crate) to: Point,
-    /// Advance along its path in the first turn, mm/rev.
-    pub(crate) k_mm: f64,
-    /// By how much that grows in every turn.
-    pub(crate) growth_mm: f64,
+    /// Signed leads where it begins, mm/rev.
+    pub(crate) lead: Point,
+    /// By how much they grow in every turn, mm/rev².
+    pub(crate) growth: Point,
+    /// Turns that it takes.
+    pub(crate) turns: f64,
+    /// It goes on along an arc that a leg before it began.
+    pub(crate) within: bool,
 }
 
 /// Where the lead changes.
@@ -42,6 +47,8 @@ pub struct Bend {
     pub lead: Point,
     /// The same of their growth in a turn, mm/rev².
     pub growth: Point,
+    /// It is no corner of the program: it lies within an arc.
+    pub within: bool,
 }
 
 /// The corners of a path.
@@ -60,27 +67,42 @@ pub(crate) enum Broken {
     Ends(f64),
     /// There are too many corners.
     TooMany,
+    /// An arc takes so many pieces, and a pass has fewer.
+    TooRound(usize),
+    /// An arc is steeper against Z than its lead along Z allows.
+    Steep,
     /// It does not go on in the direction of the first leg along this axis.
     Turns(Along),
 }
 
 impl Leg {
-    /// Turns that it takes from a point, and the lead at its end, mm/rev (M219).
-    fn turns(&self, from: Point) -> Result<(f64, f64), Broken> {
-        let length = libm::hypot(self.to.x - from.x, self.to.z - from.z);
-        let square = self.k_mm * self.k_mm + 2.0 * self.growth_mm * length;
+    /// A line from a point: `k_mm` is its lead along the path where it begins, which grows by `growth_mm` in
+    /// every turn (M219).
+    ///
+    /// # Errors
+    /// The lead gets to nothing before it ends.
+    pub(crate) fn straight(
+        line: u32,
+        [from, to]: [Point; 2],
+        k_mm: f64,
+        growth_mm: f64,
+    ) -> Result<Leg, Broken> {
+        let way = less(to, from);
+        let length = libm::hypot(way.x, way.z);
+        let square = k_mm * k_mm + 2.0 * growth_mm * length;
         if square <= 0.0 {
-            return Err(Broken::Ends(-0.5 * self.k_mm * self.k_mm / self.growth_mm));
+            return Err(Broken::Ends(-0.5 * k_mm * k_mm / growth_mm));
         }
-        let end_mm = square.sqrt();
-        Ok((2.0 * length / (self.k_mm + end_mm), end_mm))
+        let turns = 2.0 * length / (k_mm + square.sqrt());
+        let direction = times(way, 1.0 / length);
+        let (lead, growth) = (times(direction, k_mm), times(direction, growth_mm));
+        Ok(Leg { line, to, lead, growth, turns, within: false })
     }
 
-    /// Its direction from a point.
-    fn direction(&self, from: Point) -> Point {
-        let (dx, dz) = (self.to.x - from.x, self.to.z - from.z);
-        let length = libm::hypot(dx, dz);
-        Point { x: dx / length, z: dz / length }
+    /// Its leads where it ends, mm/rev.
+    fn ends(&self) -> Point {
+        let grown = times(self.growth, self.turns);
+        Point { x: self.lead.x + grown.x, z: self.lead.z + grown.z }
     }
 }
 
@@ -98,22 +120,20 @@ fn is_nothing(point: Point) -> bool {
 }
 
 impl Chain {
-    /// The corners of legs that follow each other from a point; none of a single leg of one lead.
+    /// The corners of legs that follow each other; none of a single leg of one lead.
     ///
     /// # Errors
-    /// The lead gets to nothing, or there are more corners than a pass can have.
-    pub(crate) fn of(from: Point, legs: &[Leg]) -> Result<Chain, Broken> {
+    /// There are more corners than a pass can have.
+    pub(crate) fn of(legs: &[Leg]) -> Result<Chain, Broken> {
         let mut chain = Chain::default();
-        let (mut at, mut c_deg) = (from, 0.0);
+        let mut c_deg = 0.0;
         let (mut lead, mut growth) = (None, Point::default());
         for leg in legs {
-            let (turns, end_mm) = leg.turns(at)?;
-            let direction = leg.direction(at);
-            let (begins, grows) = (times(direction, leg.k_mm), times(direction, leg.growth_mm));
-            let jump = lead.map_or(Point::default(), |lead| less(begins, lead));
-            chain.bend(Bend { line: leg.line, c_deg, lead: jump, growth: less(grows, growth) })?;
-            (lead, growth) = (Some(times(direction, end_mm)), grows);
-            (at, c_deg) = (leg.to, c_deg + 360.0 * turns);
+            let jump = lead.map_or(Point::default(), |lead| less(leg.lead, lead));
+            let grows = less(leg.growth, growth);
+            chain.bend(Bend { line: leg.line, c_deg, lead: jump, growth: grows, within: leg.within })?;
+            (lead, growth) = (Some(leg.ends()), leg.growth);
+            c_deg += 360.0 * leg.turns;
         }
         chain.end_deg = c_deg;
         // A brake leaves a lead that is constant: that takes a corner of its own.
@@ -235,6 +255,7 @@ pub(crate) fn rounded(cut: &Cut, pass: &protocol::ThreadPass) -> Vec<CornerNote>
             off_mm: (0..=LOOKS).map(off).fold(0.0, f64::max),
         }
     };
-    // Where a lead stops to grow before its end is no corner of the program.
-    cut.chain.bends().iter().zip(pass.corners()).map(note).collect()
+    // Where a lead grows from the start, or stops to grow before its end, is no corner of the program.
+    let corners = cut.chain.bends().iter().zip(pass.corners());
+    corners.filter(|(bend, _)| bend.c_deg > 0.0 && !bend.within).map(note).collect()
 }

@@ -108,7 +108,8 @@ impl Windows {
                     let from = cut.gone_mm(corner - 0.5 * dc);
                     cut.gone_mm(corner + 0.5 * dc) - from
                 });
-                return Err(Refusal::Corner { line, needs_deg: window.dc, needs_mm, has_mm });
+                let in_arc = cut.chain.bends().get(number).is_some_and(|bend| bend.within);
+                return Err(Refusal::Corner { line, in_arc, needs_deg: window.dc, needs_mm, has_mm });
             }
             from = from.max(window.end());
         }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `cut.rs` | what one pass shall cut, in mm: the geometry, free of speeds and limits |
 //! | `chain.rs` | threads that follow each other: where the lead changes along the path |
+//! | `round.rs` | a thread along an arc, as pieces of a chain |
 //! | `corners.rs` | the windows over which it does |
 //! | `cycle.rs` | the cuts of a G76 cycle |
 //! | `chamfer.rs` | the plans of a cycle, and what becomes of a chamfer that X cannot follow |
@@ -27,6 +28,7 @@ mod limits;
 mod plan;
 mod policy;
 mod refusal;
+mod round;
 mod single;
 mod starts;
 mod varied;
@@ -42,6 +44,7 @@ pub use plan::{Plan, plan};
 pub(crate) use policy::Policy;
 pub use refusal::Refusal;
 pub(crate) use refusal::highest_of_tap;
+pub(crate) use round::Round;
 pub(crate) use single::{Next, Single};
 pub(crate) use starts::Starts;
 pub(crate) use varied::{Said, top_share, varied};

@@ -46,6 +46,8 @@ pub enum Refusal {
     Corner {
         /// Line of the thread that begins there.
         line: u32,
+        /// It lies within the arc of that thread.
+        in_arc: bool,
         /// Angle that the change takes, degrees.
         needs_deg: f64,
         /// Way along the axis in it, mm, and the way that there is.
@@ -155,13 +157,15 @@ impl Refusal {
                     format!("make E at least {}, or lower S: {slower}", short(least_mm / units.mm() + 5e-5)),
                 )
             }
-            Refusal::Corner { line, needs_deg, needs_mm, has_mm } => (
+            Refusal::Corner { line, in_arc, needs_deg, needs_mm, has_mm } => (
                 "pass-not-feasible",
                 format!(
-                    "at S{s} the lead changes over {} ({} degrees of the spindle) about the corner where the thread \
-                     of line {line} begins, and there is room for {}",
+                    "at S{s} the lead changes over {} ({} degrees of the spindle) about {} of line {line}{}, and \
+                     there is room for {}",
                     units.length(needs_mm),
                     short(needs_deg),
+                    if in_arc { "a place in the arc" } else { "the corner where the thread" },
+                    if in_arc { "" } else { " begins" },
                     units.length(has_mm)
                 ),
                 format!(
@@ -202,6 +206,21 @@ impl Broken {
             Broken::TooMany => (
                 format!("a chain of threads changes its lead at {} corners at most", motion::MOST_CHANGES),
                 "join threads of one direction and lead, or put a G0 between two of them".to_owned(),
+            ),
+            Broken::TooRound(pieces) => (
+                format!(
+                    "a thread along this arc takes {pieces} pieces or more to be within 0.5 um of it, and a pass has {}",
+                    motion::MOST_CHANGES - 1
+                ),
+                "cut less of the arc, or write it as a chain of short G32".to_owned(),
+            ),
+            Broken::Steep => (
+                "a thread along an arc has its lead along Z, and this arc is steeper than 45 degrees to Z, or turns \
+                 back along it"
+                    .to_owned(),
+                "end it where it is at 45 degrees; and look at G35 and G36, centre and radius: clockwise is as in \
+                 G02"
+                    .to_owned(),
             ),
             Broken::Turns(along) => (
                 format!(

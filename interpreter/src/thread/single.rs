@@ -2,7 +2,7 @@
 //! axis that lifts the tool. Out: a [`Cut`].
 //!
 //! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that
-//! of X K sin φ.
+//! of X K sin φ. Along an arc it is that along Z.
 
 use gcode::canon::Units;
 
@@ -66,19 +66,16 @@ impl Single {
             return Some(Broken::Turns(along));
         }
         let legs: Vec<Leg> = self.legs.iter().chain([leg]).copied().collect();
-        Chain::of(self.from, &legs).err()
+        Chain::of(&legs).err()
     }
 
     /// The cut of the block, or of the chain.
     pub(crate) fn cut(&self) -> Cut {
-        let first = self.legs[0];
-        let (dx, dz) = (first.to.x - self.from.x, first.to.z - self.from.z);
-        let per_mm = first.k_mm / libm::hypot(dx, dz);
-        let lead = Point { x: dx * per_mm, z: dz * per_mm };
+        let lead = self.legs[0].lead;
         let along = self.along();
         let end = along.across(self.to());
         // What is no chain was refused when it was read.
-        let chain = Chain::of(self.from, &self.legs).unwrap_or_default();
+        let chain = Chain::of(&self.legs).unwrap_or_default();
         let [retract_mm, lift_mm] = match self.next {
             Next::Retract(mm) => [mm - end, 0.0],
             Next::Lift(mm) => [0.0, mm - end],

@@ -304,7 +304,7 @@ impl Translator {
         let target = self.modal.frame.machine(to);
         self.points.target(target, &self.machine)?;
         if let (false, Some(synchronised)) = (rapid, self.modal.synchronised) {
-            return self.thread_move(place, &target, &synchronised);
+            return self.thread_move(place, (&target, None), &synchronised);
         }
         if self.points.rests_at(&target) {
             self.points.program_goes_to(target);
@@ -337,6 +337,9 @@ impl Translator {
     /// G2, G3, helices.
     fn arc(&mut self, place: Place, arc: &canon::Arc) -> Done {
         arc::check_plane(&self.modal, &self.machine)?;
+        if let Some(synchronised) = self.modal.synchronised {
+            return self.thread_along_arc(place, arc, &synchronised);
+        }
         // A move before that could not be made was reported: this arc would begin where it did not end.
         let astray = self.points.is_astray();
         let ends = arc::ends(arc, &self.modal);

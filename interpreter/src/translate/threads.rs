@@ -1,30 +1,37 @@
 //! Threads among the calls: what goes on from a G33 that waits, what its retract is, the passes of a cycle.
 
-use gcode::canon::ThreadCycle;
+use gcode::canon::{self, ThreadCycle};
 use gcode::{Call, Place, Pose};
 use protocol::{Axis, Code, Feed, ThreadPass};
 
 use super::Translator;
+use crate::arc;
 use crate::modal::Synchronised;
 use crate::pass_note::coarse_encoder;
 use crate::reach::Done;
 use crate::retract;
 use crate::spindle::Turning;
-use crate::thread::{Next, Point};
+use crate::thread::{Next, Point, Round};
 use crate::threading::{self, in_plane_of, is_apart};
 
 impl Translator {
     /// Whether a call is a thread that goes on from the one that waits.
     pub(super) fn goes_on(&self, call: &Call<'_>) -> bool {
-        matches!(call, Call::StraightFeed(_)) && self.modal.synchronised.is_some()
+        matches!(call, Call::StraightFeed(_) | Call::ArcFeed(_)) && self.modal.synchronised.is_some()
     }
 
     /// G33: it is planned when the next move is known. One behind another goes on from it, with no index
     /// between them.
-    pub(super) fn thread_move(&mut self, place: Place, target: &Pose, synchronised: &Synchronised) -> Done {
+    pub(super) fn thread_move(
+        &mut self,
+        place: Place,
+        (target, round): (&Pose, Option<Round>),
+        synchronised: &Synchronised,
+    ) -> Done {
         let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
         let of = (place.line, self.threads.waits());
-        let single = threading::single(of, target, synchronised, &self.points, turning, &self.machine)?;
+        let single =
+            threading::single(of, (target, round), synchronised, &self.points, turning, &self.machine)?;
         self.spindle.hold(single.s_rpm);
         self.warn_of_encoder(place, synchronised.lead_mm);
         self.points.thread_goes_to(*target);
@@ -35,6 +42,19 @@ impl Translator {
                 Ok(())
             }
         }
+    }
+
+    /// G35 and G36 of FANUC: the same along an arc.
+    pub(super) fn thread_along_arc(
+        &mut self,
+        place: Place,
+        arc: &canon::Arc,
+        synchronised: &Synchronised,
+    ) -> Done {
+        let [target, centre] = arc::ends(arc, &self.modal);
+        self.points.target(target, &self.machine)?;
+        let round = Round { centre: threading::in_plane(&centre), counterclockwise: arc.turns > 0 };
+        self.thread_move(place, (&target, Some(round)), synchronised)
     }
 
     /// What a call does behind the G33 that waits with the axis that lifts the tool.

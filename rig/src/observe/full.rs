@@ -1,9 +1,9 @@
 //! Where the axis across a thread is at full depth, along the thread. In: a pass. Out: places, mm: a line,
-//! and behind each corner of a chain another one.
+//! and behind each corner of a chain another one, or a parabola where it follows an arc.
 //!
 //! ```text
-//! (M218) b(a) = b₀ + k₀ (a − a₀) + Σ (kᵢ − kᵢ₋₁) (a − aᵢ) of the corners aᵢ before a,
-//!        k = lead across / lead along
+//! (M218) b(a) = b₀ + k₀ (a − a₀) + Σ (kᵢ − k(aᵢ)) (a − aᵢ) + Σ (κᵢ − κᵢ₋₁) (a − aᵢ)²/2 of the corners aᵢ
+//!        before a;  k = F_b/F_a of the leads across and along, κ = (G_b F_a − F_b G_a)/F_a³ with their growths
 //! ```
 
 use motion::MOST_CHANGES;
@@ -19,8 +19,8 @@ pub(super) struct Full {
     slope: f64,
     /// Direction along the thread, ±1.
     towards: f64,
-    /// aᵢ, and by how much the slope changes there.
-    corners: [[f64; 2]; MOST_CHANGES],
+    /// aᵢ, and by how much slope and curvature change there.
+    corners: [[f64; 3]; MOST_CHANGES],
 }
 
 impl Full {
@@ -32,9 +32,9 @@ impl Full {
             from: [lead.start.mm() + lead.stroke_mm, depth.start.mm() + depth.stroke_mm],
             slope: depth.lead_mm / lead.lead_mm,
             towards: lead.lead_mm.signum(),
-            corners: [[0.0; 2]; MOST_CHANGES],
+            corners: [[0.0; 3]; MOST_CHANGES],
         };
-        let mut slope = full.slope;
+        let (mut slope, mut bends, mut last_mm) = (full.slope, 0.0, 0.0);
         let (mut leads, mut growths, mut at) = ([lead.lead_mm, depth.lead_mm], [0.0; 2], 0.0);
         let changes = [along, across].map(|axis| pass.changes(axis));
         for (place, (a, b)) in full.corners.iter_mut().zip(changes[0].iter().zip(changes[1].iter())) {
@@ -44,9 +44,11 @@ impl Full {
                 growths[i] += change.growth_mm;
             }
             at = c;
+            let a_mm = helix.programmed_mm(c);
             let next = leads[1] / leads[0];
-            *place = [helix.programmed_mm(c), next - slope];
-            slope = next;
+            let curved = (growths[1] * leads[0] - leads[1] * growths[0]) / (leads[0] * leads[0] * leads[0]);
+            *place = [a_mm, next - (slope + bends * (a_mm - last_mm)), curved - bends];
+            (slope, bends, last_mm) = (next, curved, a_mm);
         }
         full
     }
@@ -68,13 +70,17 @@ impl Full {
 
     /// How far it is from its beginning there.
     fn way_mm(&self, along_mm: f64) -> f64 {
-        let behind = |[a, slope]: &[f64; 2]| slope * (self.towards * (along_mm - a)).max(0.0) * self.towards;
+        let behind = |[a, slope, bends]: &[f64; 3]| {
+            let gone = (self.towards * (along_mm - a)).max(0.0) * self.towards;
+            (slope + 0.5 * bends * gone) * gone
+        };
         self.slope * (along_mm - self.from[0]) + self.corners.iter().map(behind).sum::<f64>()
     }
 
     /// By how much it goes beyond its beginning in a direction up to an end of the thread, mm.
     pub(super) fn grows_mm(&self, outwards: f64, end_mm: f64) -> f64 {
-        let corners = self.corners.iter().filter(|[_, slope]| *slope != 0.0).map(|[a, _]| *a);
+        let corners = self.corners.iter().filter(|[_, slope, bends]| [*slope, *bends] != [0.0; 2]);
+        let corners = corners.map(|[a, ..]| *a);
         corners.chain([end_mm]).map(|a| outwards * self.way_mm(a)).fold(0.0, f64::max)
     }
 }

@@ -1,6 +1,6 @@
 //! Threads that follow each other, and leads that grow, on the built-in lathe, which is as hard as one in a
 //! shop: where the tool truly is against the path as it is programmed, whatever the speed, with the override
-//! turned at random moments of the pass.
+//! turned at random moments of the pass. Threads along arcs are judged by both axes.
 
 use machine::{Machine, ProgramDialect};
 use protocol::{Axis, AxisState, Code, Item, ThreadPass, operator::Request};
@@ -164,4 +164,76 @@ fn a_lead_that_grows_lies_where_it_is_programmed_at_any_speed_and_override() {
     let mut machine = Machine::default();
     machine.general.dialect = ProgramDialect::Fanuc;
     worst_of("leads that grow", &machine, growing);
+}
+
+/// What may be off an arc, µm: the commands of X and Z, and the slides, of which friction lets that of X stand off
+/// to either side of a crown.
+const ARC_UM: [f64; 2] = [0.6, 10.0];
+
+/// A barrel, in FANUC's words: its program, and the centre and radius of the arc, mm.
+fn barrel(seed: &mut Seed, s_rpm: f64) -> (String, [f64; 3]) {
+    let lead = 0.8 + 0.1 * seed.below(12) as f64;
+    let turns = 12.0 + s_rpm / 60.0 * 0.7;
+    let length = lead * turns;
+    let radius = length * (1.5 + 4.0 * seed.unit());
+    // The crown anywhere on it.
+    let crown = 8.0 - length * (0.3 + 0.4 * seed.unit());
+    let centre_x = 15.0 - radius;
+    let x_at = |z: f64| centre_x + (radius * radius - (z - crown) * (z - crown)).sqrt();
+    let program = format!(
+        "%\nO0001\nG97 S{s_rpm} M03\nG00 X60. Z8.\nG00 X{:.9}\nG36 X{:.9} Z{:.9} R{radius:.9} F{lead:.9}\nG00 X60.\n\
+         M30\n%\n",
+        2.0 * x_at(8.0),
+        2.0 * x_at(8.0 - length),
+        8.0 - length
+    );
+    (program, [centre_x, crown, radius])
+}
+
+/// On the arc, and Z on its lead: at the tool, whatever the speed and the override.
+#[test]
+fn a_thread_along_an_arc_lies_on_its_circle_at_any_speed_and_override() {
+    let mut machine = Machine::default();
+    machine.general.dialect = ProgramDialect::Fanuc;
+    let (count, mut worst) = (testing::count("PITCHLOCK_CHAINS", 40), [0.0f64; 2]);
+    for case in 0..count {
+        let mut seed = Seed::of_case(case);
+        let s_rpm = (50.0 * libm::pow(20.0, seed.unit())).round();
+        let (program, [x, z, radius]) = barrel(&mut seed, s_rpm);
+        let items = compiled(&machine, &program);
+        let pass: ThreadPass = items
+            .iter()
+            .find_map(|item| if let Code::Pass(pass) = &item.code { Some(*pass) } else { None })
+            .expect("a thread");
+        let locked_deg = pass.axis(Axis::Z).run_in_c0_deg + pass.axis(Axis::Z).run_in_dc_deg;
+        let stops_deg = pass.corners().last().expect("it grows to its end").c_deg;
+        let presses = overrides(&mut seed);
+        let mut pressed = presses.iter().peekable();
+        let (mut most, mut looks) = ([0.0f64; 2], 0);
+        let stand = Stand { machine: &machine, items: &items, scenario: "", seed: case + 1 };
+        let observation = stand.run(|record| {
+            let (_, status) = record.axes.iter().find(|(axis, _)| *axis == Axis::Z).expect("a lathe");
+            let c = status.angle_deg;
+            let in_pass = status.pass == pass.pass && status.state() >= AxisState::Locked;
+            if in_pass && (locked_deg..stops_deg.min(pass.thread_end_deg)).contains(&c) {
+                let off = |[at_x, at_z]: [f64; 2]| 1e3 * (libm::hypot(at_x - x, at_z - z) - radius).abs();
+                let (_, across) = record.axes.iter().find(|(axis, _)| *axis == Axis::X).expect("a lathe");
+                let slides = [Axis::X, Axis::Z].map(|axis| record.truth.axes[axis.index()].slide_mm);
+                let now = [off([across.commanded_mm, status.commanded_mm]), off(slides)];
+                most = [0, 1].map(|i| most[i].max(now[i]));
+                looks += 1;
+            }
+            let share = (c - locked_deg) / (pass.thread_end_deg - locked_deg);
+            pressed.next_if(|(at, _)| in_pass && share >= *at).map(|(_, request)| *request)
+        });
+        assert_eq!(observation.outcome, Outcome::Completed, "{:?}", observation.faults);
+        assert!(looks > 500 && pressed.next().is_none(), "case {case}: {looks} cycles");
+        let near = most[0] <= ARC_UM[0] && most[1] <= ARC_UM[1];
+        assert!(near, "case {case}, S{s_rpm}: {most:?} um\n{program}");
+        let lead_um = observation.passes[0].lead_error_um_per_rev;
+        assert!(lead_um.abs() < 0.1, "case {case}: the lead of Z is off by {lead_um} um");
+        worst = [0, 1].map(|i| worst[i].max(most[i]));
+    }
+    let [driven, slide] = worst;
+    println!("arcs, 50 to 1000 1/min, {count} cases: commands {driven:.2} um off, slides {slide:.2}");
 }

@@ -34,11 +34,10 @@ fn a_missing_feed_is_missed_once() {
 }
 
 #[test]
-fn driven_tools_and_threads_along_arcs_are_refused_with_the_reason() {
+fn driven_tools_and_measuring_are_refused_with_the_reason() {
     for (text, reason) in [
         ("G88 X-10. R2. F1.5", "driven tools"),
-        ("G35 X40. Z-20. R30. F1.", "straight lines"),
-        ("G36 X40. Z-20. R30. F1.", "straight lines"),
+        ("G36 X40.", "measures a tool"),
         ("G87 X10. R2. F0.1", "driven tools"),
     ] {
         let outcome = outcome(&format!("S500 M03\n{text}\nM30\n"));

@@ -40,6 +40,19 @@ fn g34_is_g32_with_a_lead_that_grows() {
     assert_eq!(cone[1], format!("lead {:.4} at 0 growing by {:.4}", 2.0 * stretch, 0.1 * stretch));
 }
 
+/// The arc is that of G02 and G03, by its centre or its radius; F is the lead.
+#[test]
+fn g35_and_g36_are_threads_along_the_arcs_of_g02_and_g03() {
+    for words in ["X22. Z-20. R50.", "X22. Z-20. I48. K-14.", "U2. W-28. R60."] {
+        for (thread, arc) in [("G35", "G02"), ("G36", "G03")] {
+            let moves = here(&format!("{thread} {words} F2. Q90000"));
+            assert_eq!(moves[1], "lead 2 at 90");
+            assert_eq!(moves[2], here(&format!("{arc} {words} F2."))[1], "{thread} {words}");
+            assert_eq!(moves[3..], ["free"]);
+        }
+    }
+}
+
 #[test]
 fn chained_threads_keep_the_lead_and_q_turns_the_start() {
     let moves = here("G32 Z-10. F2. Q180000\nX24. Z-12.");
@@ -160,4 +173,10 @@ fn threads_that_make_no_sense_are_refused() {
     assert_eq!(errors("G34 F2. K0.1"), [(3, "bad-value")]);
     assert_eq!(errors("G34 Z-20. F-2. K0.1"), [(3, "bad-value")]);
     assert_eq!(errors("M05\nG34 Z-20. F2. K0.1"), [(4, "spindle-not-turning")]);
+    assert_eq!(errors("G35 X22. Z-20. F2."), [(3, "missing-word")]);
+    assert_eq!(errors("G35 X22. Z-20. R50."), [(3, "missing-word")]);
+    assert_eq!(errors("G36 X22. F2."), [(3, "not-available")]);
+    assert_eq!(errors("G35 X22. Z-20. R-50. F2."), [(3, "bad-value")]);
+    assert_eq!(errors("G35 X22. Z-20. R5. F2."), [(3, "arc-radius")]);
+    assert_eq!(errors("M05\nG35 X22. Z-20. R50. F2."), [(4, "spindle-not-turning")]);
 }

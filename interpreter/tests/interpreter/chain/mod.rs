@@ -1,5 +1,7 @@
 //! Threads that follow each other, and leads that grow: where the tool is, against the programmed path.
 
+mod round;
+
 use gcode::problem::Severity;
 use interpreter::{Check, check};
 use machine::{Machine, ProgramDialect, RunOut};
