@@ -197,7 +197,8 @@ fn rows(summary: &Summary, notes: &[PassNote], machine: &Machine, nominal_deg: O
         let flanks = flanks_deg(machine, report.tool_number, nominal_deg);
         let touched = report.tool.contact_deg > 0.0;
         let cutting = report.cutting.as_ref();
-        let pct = report.max_feasible_override_pct;
+        // Where the speed is varied, that of its mean, as `check` tells it.
+        let pct = note.map_or(report.max_feasible_override_pct, |note| note.max_override_pct);
         let by_limits = report.programmed_rpm * pct / 100.0;
         Row {
             pass: report.pass,

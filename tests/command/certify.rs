@@ -65,6 +65,23 @@ fn a_certificate_says_what_the_run_then_does() {
     assert!(notes.contains("pass 3 goes 0.017 mm deeper") && notes.contains("rubs"), "{notes}");
 }
 
+/// Where the speed is varied, too: the override is that of the mean speed.
+#[test]
+fn the_highest_override_is_the_one_that_check_tells() {
+    let place = Place::new();
+    for (name, varied) in [("even", ""), ("varied", "(speed_variation, sine, 20, 4)\n")] {
+        place.write(&format!("{name}.ngc"), format!("{varied}{}", THREAD.replace("M0\n", "")));
+        let answer = place.ask(&["check", &format!("{name}.ngc"), "--certify", "--json"]);
+        let document: Value = serde_json::from_str(&answer.stdout).expect("a document");
+        let told = |rows: &Value, key: &str| {
+            rows.as_array().expect("rows").iter().map(|row| number(&row[key])).collect::<Vec<_>>()
+        };
+        let certified = told(&document["certificate"]["passes"], "highest_override_pct");
+        assert_eq!(certified, told(&document["passes"], "max_override_pct"), "{name}");
+        assert_eq!(certified.len(), 3, "{name}");
+    }
+}
+
 /// Nobody stands there who presses cycle start; and without forces that is said.
 #[test]
 fn pauses_are_gone_on_from_and_the_page_holds_what_the_table_does() {
