@@ -2,7 +2,7 @@
 //! are the medians of the time on the wall and of the processor time of all processes, and their ratios.
 //!
 //! `cargo bench --bench recording`; `PITCHLOCK_RUNS=21` takes more of each.
-#![allow(missing_docs, clippy::unwrap_used)]
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::{
     fs,
@@ -42,17 +42,14 @@ fn median(mut figures: Vec<f64>) -> f64 {
 
 fn main() {
     let runs = std::env::var("PITCHLOCK_RUNS").ok().map_or(11, |runs| runs.parse().unwrap());
-    for (name, how) in [("in one process", &["--in-process"][..]), ("over processes", &[])] {
+    for (name, how) in [("in one process", &["--in-process"][..]), ("over processes", &[][..])] {
         let without = [how, &["--unkept"]].concat();
         let pairs: Vec<[[f64; 2]; 2]> = (0..runs).map(|_| [run(how), run(&without)]).collect();
         for (what, at) in [("wall", 0), ("processor", 1)] {
             let of = |which: usize| median(pairs.iter().map(|pair| pair[which][at]).collect());
             let ratio = median(pairs.iter().map(|pair| pair[0][at] / pair[1][at]).collect());
             let (with_s, without_s) = (of(0), of(1));
-            #[allow(clippy::print_stdout)]
-            {
-                println!("{name}, {what}: {with_s:.3} s with, {without_s:.3} s without, ratio {ratio:.3}");
-            }
+            println!("{name}, {what}: {with_s:.3} s with, {without_s:.3} s without, ratio {ratio:.3}");
         }
     }
 }
