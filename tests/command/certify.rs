@@ -69,7 +69,7 @@ fn a_certificate_says_what_the_run_then_does() {
 #[test]
 fn the_highest_override_is_the_one_that_check_tells() {
     let place = Place::new();
-    for (name, varied) in [("even", ""), ("varied", "(speed_variation, sine, 20, 4)\n")] {
+    for (name, varied) in [("even", ""), ("varied", "(speed_variation, sine, 5, 4)\n")] {
         place.write(&format!("{name}.ngc"), format!("{varied}{}", THREAD.replace("M0\n", "")));
         let answer = place.ask(&["check", &format!("{name}.ngc"), "--certify", "--json"]);
         let document: Value = serde_json::from_str(&answer.stdout).expect("a document");

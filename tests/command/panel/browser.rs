@@ -87,9 +87,9 @@ impl Browser {
         answer["result"]["result"]["value"].clone()
     }
 
-    /// The text of an element.
+    /// The text of an element; none as long as the page is not there.
     fn text(&mut self, id: &str) -> String {
-        self.value(&format!("document.getElementById('{id}').textContent"))
+        self.value(&format!("document.getElementById('{id}')?.textContent ?? ''"))
             .as_str()
             .unwrap_or_default()
             .into()
