@@ -157,17 +157,9 @@ impl Refusal {
                     format!("make E at least {}, or lower S: {slower}", short(least_mm / units.mm() + 5e-5)),
                 )
             }
-            Refusal::Corner { line, in_arc, needs_deg, needs_mm, has_mm } => (
+            Refusal::Corner { .. } => (
                 "pass-not-feasible",
-                format!(
-                    "at S{s} the lead changes over {} ({} degrees of the spindle) about {} of line {line}{}, and \
-                     there is room for {}",
-                    units.length(needs_mm),
-                    short(needs_deg),
-                    if in_arc { "a place in the arc" } else { "the corner where the thread" },
-                    if in_arc { "" } else { " begins" },
-                    units.length(has_mm)
-                ),
+                self.room(&s, units),
                 format!(
                     "{slower}; longer threads before and behind the corner, or leads that differ less, would help too"
                 ),
@@ -191,6 +183,22 @@ impl Refusal {
             ),
         };
         Problem::error(code, Blame::Block, message, help)
+    }
+
+    /// What a corner needs and has.
+    fn room(&self, s: &str, units: Units) -> String {
+        let Refusal::Corner { line, in_arc, needs_deg, needs_mm, has_mm } = *self else {
+            return String::new();
+        };
+        let place = if in_arc { "a place in the arc" } else { "the corner where the thread" };
+        let begins = if in_arc { "" } else { " begins" };
+        format!(
+            "at S{s} the lead changes over {} ({} degrees of the spindle) about {place} of line {line}{begins}, and there \
+             is room for {}",
+            units.length(needs_mm),
+            short(needs_deg),
+            units.length(has_mm)
+        )
     }
 }
 

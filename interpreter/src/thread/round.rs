@@ -1,5 +1,5 @@
-//! Threads along an arc: as few legs as follow it. In: ends and centre, mm, the lead along Z, mm/rev. Out: legs,
-//! of which Z keeps its lead and X is a parabola.
+//! Threads along an arc: as few legs as follow it. In: ends and centre, mm, the lead along Z, mm/rev. Out:
+//! legs, of which Z keeps its lead and X is a parabola.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -82,7 +82,8 @@ impl Arc {
         from + low * (end - from)
     }
 
-    /// Where its pieces between two places end along Z, each off by no more than `most_mm`; [`COUNTED`] at most.
+    /// Where its pieces between two places end along Z, each off by no more than `most_mm`; [`COUNTED`] at
+    /// most.
     fn pieces(&self, [from, end]: [f64; 2], most_mm: f64) -> Vec<f64> {
         let next = |at: &f64| (*at != end).then(|| self.reaches(*at, end, most_mm));
         core::iter::successors(Some(from), next).skip(1).take(COUNTED).collect()

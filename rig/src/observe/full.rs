@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! (M218) b(a) = b₀ + k₀ (a − a₀) + Σ (kᵢ − k(aᵢ)) (a − aᵢ) + Σ (κᵢ − κᵢ₋₁) (a − aᵢ)²/2 of the corners aᵢ
-//!        before a;  k = F_b/F_a of the leads across and along, κ = (G_b F_a − F_b G_a)/F_a³ with their growths
+//!        before a;  k = F_b/F_a of the leads across and along,
+//!        κ = (G_b F_a − F_b G_a)/F_a³ with their growths
 //! ```
 
 use motion::MOST_CHANGES;

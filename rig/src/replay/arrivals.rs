@@ -193,7 +193,7 @@ impl Collector {
         let who = teller(input, arrival.cycle);
         let told = self.told.entry(who).or_default();
         let lost = arrival.number.saturating_sub(*told);
-        *told = arrival.number + 1;
+        *told = arrival.number.saturating_add(1);
         if lost > 0 {
             let who = who.map_or_else(|| "sim-plant".into(), Module::name);
             let text = format!("{lost} of what {who} told of its inputs did not reach the recorder");

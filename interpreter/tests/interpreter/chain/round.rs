@@ -14,8 +14,8 @@ struct Circle {
     centre: [f64; 2],
 }
 
-/// Largest distances from the circle, outside of the windows of the pieces and in them, and of Z from its even
-/// lead, mm; between the end of the run-in and where the arc or the thread ends.
+/// Largest distances from the circle, outside of the windows of the pieces and in them, and of Z from its
+/// even lead, mm; between the end of the run-in and where the arc or the thread ends.
 fn off(pass: &ThreadPass, circle: &Circle, from_z: f64, lead_z: f64) -> [f64; 3] {
     let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
     let (x_law, z_law) = (pass.law(Axis::X), pass.law(Axis::Z));
@@ -36,8 +36,8 @@ fn off(pass: &ThreadPass, circle: &Circle, from_z: f64, lead_z: f64) -> [f64; 3]
     most
 }
 
-/// 300 arcs of every size, way and side: on the circle within 0.5 um, in the windows of the pieces within 1 um,
-/// and Z goes on evenly as if there were no arc.
+/// 300 arcs of every size, way and side: on the circle within 0.5 um, in the windows of the pieces within
+/// 1 um, and Z goes on evenly as if there were no arc.
 #[test]
 fn a_thread_along_an_arc_lies_on_its_circle() {
     let (mut worst, mut made) = ([0.0f64; 3], 0);

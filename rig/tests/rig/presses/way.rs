@@ -1,5 +1,5 @@
-//! Runs that are disturbed late: what comes before is made once, and copied. In: a run with its observer. Out:
-//! what was seen of it.
+//! Runs that are disturbed late: what comes before is made once, and copied. In: a run with its observer.
+//! Out: what was seen of it.
 
 use protocol::operator::Request;
 
