@@ -2,7 +2,7 @@
 //! are the medians of the time on the wall and of the processor time of all processes, and their ratios.
 //!
 //! `cargo bench --bench recording`; `PITCHLOCK_RUNS=21` takes more of each.
-#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, clippy::disallowed_methods)] // measures time
 
 use std::{
     fs,

@@ -35,7 +35,7 @@ impl<'a> Stand<'a> {
         mut operator: impl FnMut(&Record) -> Option<Request>,
     ) -> Observation {
         let run = Run { observer: Observer::new(self.machine, observed), ..self.begin() };
-        run.to_its_end(&mut operator)
+        run.finished(&mut operator)
     }
 
     /// A run that has not begun yet.
@@ -70,7 +70,7 @@ impl Run<'_> {
     }
 
     /// All that is left of it.
-    pub(crate) fn to_its_end(mut self, operator: &mut impl FnMut(&Record) -> Option<Request>) -> Observation {
+    pub(crate) fn finished(mut self, operator: &mut impl FnMut(&Record) -> Option<Request>) -> Observation {
         for _ in 0..PATIENCE {
             if !self.cycle(operator) {
                 return self.observer.finish();

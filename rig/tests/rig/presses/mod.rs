@@ -131,7 +131,7 @@ impl Job {
 
     /// Runs it to its end with what the operator does in each cycle, and checks every cycle.
     fn run(&self, what: &str, presses: impl Fn(u64) -> Option<Request>) -> Seen {
-        self.begin().to_its_end(what, presses)
+        self.begin().finished(what, presses)
     }
 
     /// Runs it with these presses. Cycle start is pressed again and again from `release` on: nobody waits for
@@ -142,7 +142,7 @@ impl Job {
 
     /// The same on the way, before the first of them.
     fn press_from(&self, way: Way, what: &str, presses: &[(u64, Request)], release: u64) -> Seen {
-        let seen = way.to_its_end(what, |cycle| {
+        let seen = way.finished(what, |cycle| {
             let pressed = presses.iter().find(|(at, _)| *at == cycle).map(|(_, request)| *request);
             let released = cycle >= release && (cycle - release).is_multiple_of(400);
             pressed.or(released.then_some(Request::CycleStart))

@@ -35,9 +35,9 @@ impl<'a> Way<'a> {
     }
 
     /// What is left of it, with what the operator does in each cycle.
-    pub(super) fn to_its_end(self, what: &str, presses: impl Fn(u64) -> Option<Request>) -> Seen {
+    pub(super) fn finished(self, what: &str, presses: impl Fn(u64) -> Option<Request>) -> Seen {
         let Way { run, mut watch, .. } = self;
-        let observation = run.to_its_end(&mut |record| {
+        let observation = run.finished(&mut |record| {
             watch.cycle(what, record);
             presses(record.truth.cycle.0)
         });
