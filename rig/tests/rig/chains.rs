@@ -166,8 +166,8 @@ fn a_lead_that_grows_lies_where_it_is_programmed_at_any_speed_and_override() {
     worst_of("leads that grow", &machine, growing);
 }
 
-/// What may be off an arc, µm: the commands of X and Z; the slides, of which friction lets that of X stand off
-/// to either side of a crown.
+/// What may be off an arc, µm: the commands of X and Z; the slides, of which friction lets that of X stand
+/// off to either side of a crown.
 const ARC_UM: [f64; 2] = [0.6, 10.0];
 
 /// A barrel, in FANUC's words: its program, and the centre and radius of the arc, mm.

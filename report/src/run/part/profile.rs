@@ -84,7 +84,7 @@ impl Profile {
             let n = (IN_A_TURN * (high - low) / thread.pitch_mm).clamp(2.0, MOST_PLACES) as usize;
             places.extend((0..=n).map(|i| low + (high - low) * i as f64 / n as f64));
         }
-        places.extend(plain.iter().flat_map(|thread| thread.ends_mm));
+        places.extend(plain.iter().flat_map(|thread| thread.root_mm.iter().map(|place| place[0])));
         let rows = stock.map(|stock| stock.rows_mm.as_slice()).unwrap_or_default();
         places.extend(rows.iter().flat_map(|row| [row[0] - STEP_SIDE_MM, row[0], row[0] + STEP_SIDE_MM]));
         places.sort_by(f64::total_cmp);

@@ -250,9 +250,16 @@ fn roots(plain: &[Plain], profile: &Profile) -> Vec<Point> {
     let (low, high) = (profile.slices[0].z, profile.slices[profile.slices.len() - 1].z);
     let seen = plain.iter().filter(|thread| thread.ends_mm[0] < high && thread.ends_mm[1] > low);
     let both = seen.flat_map(|thread| {
-        let [a, b] = thread.ends_mm.map(|z| z.clamp(low, high)).map(|z| (z, thread.root_at(z)));
-        let above = if thread.sign > 0.0 { [Some(a), Some(b), None] } else { [None; 3] };
-        above.into_iter().chain([Some((a.0, -a.1)), Some((b.0, -b.1)), None])
+        let ends = thread.ends_mm.map(|z| z.clamp(low, high));
+        let inner =
+            thread.root_mm.iter().map(|place| place[0]).filter(move |z| (ends[0] < *z) && (*z < ends[1]));
+        let places: Vec<f64> = [ends[0]].into_iter().chain(inner).chain([ends[1]]).collect();
+        let line = |side: f64| {
+            let points: Vec<Point> = places.iter().map(|z| Some((*z, side * thread.root_at(*z)))).collect();
+            points.into_iter().chain([None])
+        };
+        let above = (thread.sign > 0.0).then(|| line(1.0));
+        above.into_iter().flatten().chain(line(-1.0)).collect::<Vec<Point>>()
     });
     both.collect()
 }
