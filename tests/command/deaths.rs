@@ -20,7 +20,7 @@ use crate::shop::{
 
 const KILLS: u32 = 20;
 /// Deaths of each process in each way, unless `PITCHLOCK_DEATHS` says otherwise.
-const DEATHS: u64 = 9;
+const DEATHS: u64 = 6;
 
 /// Moments between 0 and 1.5 s, the first half of them within the start-up: a sequence of Weyl, so that they
 /// are spread and the same every time.
