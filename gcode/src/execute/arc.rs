@@ -49,19 +49,6 @@ pub(super) fn arc(code: G, block: &Block, state: &mut State, out: &mut Output) -
     Ok(())
 }
 
-/// The arc of G35 and G36, with the words of G2 and G3.
-///
-/// # Errors
-/// As of those.
-pub(crate) fn along_thread(
-    code: G,
-    block: &Block,
-    state: &State,
-    out: &mut Output,
-) -> Result<Arc, Box<Problem>> {
-    programmed(code, block, state, out)
-}
-
 /// G2, G35.
 fn is_clockwise(code: G) -> bool {
     matches!(code, G(20 | 350))
@@ -76,8 +63,16 @@ fn end(arc: &Arc, plane: Plane) -> Pose {
     end
 }
 
-/// The arc as it is programmed, from the programmed point.
-fn programmed(code: G, block: &Block, state: &State, out: &mut Output) -> Result<Arc, Box<Problem>> {
+/// The arc as it is programmed, from the programmed point: of G2 and G3, and of threads by G35 and G36.
+///
+/// # Errors
+/// Its words contradict each other, or are missing.
+pub(crate) fn programmed(
+    code: G,
+    block: &Block,
+    state: &State,
+    out: &mut Output,
+) -> Result<Arc, Box<Problem>> {
     let (first, second, along) = state.modes.plane.axes();
     let by_center = CENTERS.into_iter().any(|letter| block.has(letter));
     match (by_center, block.has('R')) {

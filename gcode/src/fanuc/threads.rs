@@ -91,7 +91,7 @@ pub(super) fn along_arc(code: G, run: &mut Execution) -> Done {
     run.add_g(group::MOTION, code)?;
     run.add_point(&end)?;
     block::round(run)?;
-    let arc = execute::arc::along_thread(code, run.equivalent, run.state, run.out)?;
+    let arc = execute::arc::programmed(code, run.equivalent, run.state, run.out)?;
     run.out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg, growth: 0.0 })?;
     run.out.call(Call::ArcFeed(arc))?;
     run.out.call(Call::StopSpeedFeedSynch)?;

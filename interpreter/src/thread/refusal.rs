@@ -157,9 +157,15 @@ impl Refusal {
                     format!("make E at least {}, or lower S: {slower}", short(least_mm / units.mm() + 5e-5)),
                 )
             }
-            Refusal::Corner { .. } => (
+            Refusal::Corner { line, in_arc, needs_deg, needs_mm, has_mm } => (
                 "pass-not-feasible",
-                self.room(&s, units),
+                format!(
+                    "at S{s} the lead changes over {} ({} degrees of the spindle) about {}, and there is room for {}",
+                    units.length(needs_mm),
+                    short(needs_deg),
+                    corner(line, in_arc),
+                    units.length(has_mm)
+                ),
                 format!(
                     "{slower}; longer threads before and behind the corner, or leads that differ less, would help too"
                 ),
@@ -184,21 +190,13 @@ impl Refusal {
         };
         Problem::error(code, Blame::Block, message, help)
     }
+}
 
-    /// What a corner needs and has.
-    fn room(&self, s: &str, units: Units) -> String {
-        let Refusal::Corner { line, in_arc, needs_deg, needs_mm, has_mm } = *self else {
-            return String::new();
-        };
-        let place = if in_arc { "a place in the arc" } else { "the corner where the thread" };
-        let begins = if in_arc { "" } else { " begins" };
-        format!(
-            "at S{s} the lead changes over {} ({} degrees of the spindle) about {place} of line {line}{begins}, and there \
-             is room for {}",
-            units.length(needs_mm),
-            short(needs_deg),
-            units.length(has_mm)
-        )
+/// Where a lead changes.
+fn corner(line: u32, in_arc: bool) -> String {
+    match in_arc {
+        true => format!("a place in the arc of line {line}"),
+        false => format!("the corner where the thread of line {line} begins"),
     }
 }
 
