@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::{
     error::CliError,
+    run::{JOURNAL, claim::SUMMARY, folder::without_summary},
     screen,
     words::Phase,
     written::{self, Made},
@@ -22,6 +23,9 @@ pub(crate) struct ReportArgs {
 
 /// Draws `report.html` of a run folder, and prints its path.
 pub(crate) fn report(args: &ReportArgs) -> Result<ExitCode, CliError> {
+    if !args.run_dir.join(SUMMARY).exists() && args.run_dir.join(JOURNAL).exists() {
+        return Err(without_summary(&args.run_dir, String::new()));
+    }
     written::free(&args.run_dir.join("report.html"), Made::Page)?;
     let drawing = Phase::begin(DRAWING);
     let path = report::render(&args.run_dir)?;

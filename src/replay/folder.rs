@@ -1,7 +1,10 @@
 //! A recorded run, ready to be made again. In: a run folder. Out: a machine in one process that does,
 //! cycle by cycle, what the machine of the run did; or why that cannot be.
 
-use std::{collections::VecDeque, path::Path};
+use std::{
+    collections::VecDeque,
+    path::{Path, PathBuf},
+};
 
 use machine::Machine;
 use process::shell::{Clock, LanguageArgs};
@@ -114,6 +117,16 @@ impl Recorded {
         self.arrivals.changes.len()
     }
 
+    /// Its tool table.
+    pub(super) fn tools(&self) -> Option<&PathBuf> {
+        self.args.language.tools.as_ref()
+    }
+
+    /// The run that it goes on with.
+    pub(super) fn before(&self) -> Option<&Left> {
+        self.before.as_deref()
+    }
+
     /// Whether the end of what reached its modules is damaged, of a record that was not finished.
     pub(super) fn record_is_damaged(&self) -> bool {
         self.arrivals.damaged
@@ -121,7 +134,12 @@ impl Recorded {
 
     /// The machine code of the program; what stands behind an error is not run.
     pub(super) fn items(&self) -> Result<Items, CliError> {
-        let language = self.args.language.language();
+        self.items_by(self.tools())
+    }
+
+    /// The same by another tool table.
+    pub(super) fn items_by(&self, tools: Option<&PathBuf>) -> Result<Items, CliError> {
+        let language = LanguageArgs { tools: tools.cloned(), ..self.args.language.clone() }.language();
         let items = self.program.items(&self.args.program, &language, &self.machine)?;
         Ok(Box::new(items.map_while(Result::ok).fuse()))
     }

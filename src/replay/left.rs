@@ -2,7 +2,7 @@
 //! machine did. In: a run folder, perhaps of processes that were all killed. Out: the machine at rest, as the
 //! run left it; how its program is gone on with.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use process::shell::Clock;
 use protocol::{Item, PerAxis};
@@ -145,12 +145,41 @@ impl Left {
         for (axis, config) in machine.axes() {
             here[axis.index()] = config.position(&plant.measurement().axes[axis.index()]);
         }
-        let program = || self.recorded.items().into_iter().flatten();
-        let plan = resume::plan(machine, program, &self.state(), &here);
-        let plan = plan.and_then(|plan| plan.retooled(machine, program(), now));
-        let plan = plan.map_err(|refusal| CliError::Input(format!("{}: {refusal}", self.recorded.name)))?;
-        plan.changed.iter().for_each(|changed| plant.change_tool(changed.in_passes_mm));
+        let refused = |refusal| CliError::Input(format!("{}: {refusal}", self.recorded.name));
+        let by = |tools| self.recorded.items_by(tools).into_iter().flatten();
+        let own = self.recorded.tools();
+        let at = |tools| resume::plan(machine, || by(tools), &self.state(), &here);
+        // What the plant has been given already, by the way on which this run was broken off.
+        let (plan, tools, given_mm) =
+            match self.tools_of_before().and_then(|old| Some((at(Some(old)).ok()?, old))) {
+                Some((plan, old)) => {
+                    let given = plan.clone().retooled(machine, by(Some(old)), by(own)).map_err(refused)?;
+                    (plan, Some(old), given.changed.map_or([0.0; 2], |changed| changed.in_passes_mm))
+                }
+                None => (at(own).map_err(refused)?, own, [0.0; 2]),
+            };
+        let plan = plan.retooled(machine, by(tools), now).map_err(refused)?;
+        let changed_mm = plan.changed.map_or([0.0; 2], |changed| changed.in_passes_mm);
+        if changed_mm != given_mm {
+            plant.change_tool([changed_mm[0] - given_mm[0], changed_mm[1] - given_mm[1]]);
+        }
         Ok(plan)
+    }
+
+    /// The tool table of the run that this one goes on with, if it is another one and the journal has not seen
+    /// yet that a tool was put in: then the tool in place is that of before.
+    pub(crate) fn tools_of_before(&self) -> Option<&PathBuf> {
+        let in_place = self.in_place()?;
+        let held = |tools: &PathBuf| intake::bytes(tools, intake::TABLE).ok();
+        (self.recorded.tools().and_then(held) != held(in_place)).then_some(in_place)
+    }
+
+    /// The tool table of the tool in place.
+    fn in_place(&self) -> Option<&PathBuf> {
+        match self.recorded.before() {
+            Some(before) if self.state().tool == 0 => before.in_place(),
+            _ => self.recorded.tools(),
+        }
     }
 }
 

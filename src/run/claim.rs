@@ -13,7 +13,7 @@ use super::journal::JOURNAL;
 use crate::{error::CliError, written};
 
 /// What a run leaves, and a machine that never started does not.
-const SUMMARY: &str = "summary.json";
+pub(crate) const SUMMARY: &str = "summary.json";
 
 /// A folder that this run alone writes into.
 pub(super) struct Claim {

@@ -13,7 +13,7 @@ use protocol::{Item, code_file::CodeFile};
 use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
-use super::claim::Claim;
+use super::claim::{Claim, SUMMARY, is_held};
 use super::journal::JOURNAL;
 use super::moment::{LIVE, MOMENT};
 use crate::{error::CliError, program::Program};
@@ -290,23 +290,34 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         return Ok(args.clone());
     }
     let folder = &args.program;
-    let summary = Summary::read(&folder.join("summary.json")).map_err(|error| {
-        let name = folder.display();
-        let help = match folder.join(JOURNAL).exists() {
-            true => format!(
-                "{name} is a run that was broken off, or goes on: `pitchlock journal {name}` shows what it knows, `pitchlock run \
-                 {name} --resume` goes on with it"
-            ),
-            false => format!("{name} is not the folder of a finished run"),
-        };
-        CliError::Input(format!("{error}\nhelp: {help}"))
-    })?;
+    let summary =
+        Summary::read(&folder.join(SUMMARY)).map_err(|error| without_summary(folder, error.to_string()))?;
     let name = Path::new(&summary.program).file_name().unwrap_or_default();
     let mut repeated = arguments_of(args, folder, name)?;
     let named = summary.gauge.as_ref().map(|gauge| gauge.name.clone());
     repeated.gauge.gauge = args.gauge.gauge.clone().or(named);
     repeated.seed = args.seed.or(Some(summary.seed));
     Ok(repeated)
+}
+
+/// What is said of a folder whose summary cannot be read: of a run that goes on, or was broken off, there is
+/// none.
+pub(crate) fn without_summary(folder: &Path, error: String) -> CliError {
+    let name = folder.display();
+    let shows = format!("`pitchlock journal {name}` shows what it knows");
+    let text = if folder.join(SUMMARY).exists() || !folder.join(JOURNAL).exists() {
+        format!("{error}\nhelp: {name} is not the folder of a finished run")
+    } else if is_held(folder) {
+        format!(
+            "{name}: this run still goes on, and has no {SUMMARY} yet\nhelp: wait until it has ended; {shows}"
+        )
+    } else {
+        format!(
+            "{name}: this run was broken off, and has no {SUMMARY}\nhelp: {shows}, `pitchlock run {name} --resume` goes on with \
+             it; of the run that goes on there is a report and a replay"
+        )
+    };
+    CliError::Input(text)
 }
 
 /// Files in a run folder that may be its program.

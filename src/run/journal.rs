@@ -1,13 +1,16 @@
 //! The journal of a run, written by a thread of its own: in its folder there is at any time what the control
 //! knows.
 //!
-//! Nothing waits for the disk: what the thread cannot take yet is kept back, and the newest takes its place.
+//! Nothing waits for the disk: what the thread cannot take yet is kept back, and the newest takes its place. Nor is
+//! the disk asked more often than it makes sense for: what comes soon after it was is written, and confirmed with
+//! what follows.
 
 use std::{
     io,
     path::Path,
-    sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel},
+    sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel},
     thread::JoinHandle,
+    time::{Duration, Instant},
 };
 
 use rig::{
@@ -21,6 +24,9 @@ use crate::error::CliError;
 pub(crate) const JOURNAL: &str = "journal.bin";
 /// Records that wait for the disk at most.
 const WAITING: usize = 64;
+/// The disk is asked to have it at most so often: of a machine that runs much faster than in truth, each record by
+/// itself would take as long as three in a hundred of the run.
+const GATHER: Duration = Duration::from_millis(20);
 
 /// A journal that is being written.
 pub(crate) struct Journal {
@@ -43,13 +49,15 @@ impl Journal {
 
     /// Takes one control cycle.
     pub(crate) fn cycle(&mut self, record: &Record) {
-        let news = self.keeper.cycle(record).or(self.kept_back.take());
-        self.kept_back = news.and_then(|news| match self.to_disk.try_send(news) {
-            Ok(()) => None,
-            Err(TrySendError::Full(news)) => Some(news),
-            // The thread has met an error, which is told at the end.
-            Err(TrySendError::Disconnected(_)) => None,
-        });
+        if let Some(news) = self.keeper.cycle(record) {
+            self.kept_back = Some(news);
+        }
+        // In most cycles there is nothing, and what there would be is long.
+        let Some(news) = &self.kept_back else { return };
+        if !matches!(self.to_disk.try_send(*news), Err(TrySendError::Full(_))) {
+            // Or the thread has met an error, which is told at the end.
+            self.kept_back = None;
+        }
     }
 
     /// Writes what is known last, waits until the disk has it; why not all of it could be written.
@@ -63,13 +71,27 @@ impl Journal {
     }
 }
 
-/// Writes what comes, and confirms all of it that has come meanwhile at once.
+/// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what follows.
 fn write(news: &Receiver<State>, mut book: Book<File>) -> io::Result<()> {
-    while let Ok(first) = news.recv() {
-        for state in std::iter::once(first).chain(news.try_iter()) {
-            book.write(&state)?;
+    // When the disk has to be asked; never while all is confirmed.
+    let (mut asked, mut due) = (None::<Instant>, None::<Instant>);
+    loop {
+        let came = match due {
+            None => news.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            Some(due) => news.recv_timeout(due.saturating_duration_since(Instant::now())),
+        };
+        match came {
+            Ok(first) => {
+                for state in std::iter::once(first).chain(news.try_iter()) {
+                    book.write(&state)?;
+                }
+                due = due.or_else(|| Some(asked.map_or_else(Instant::now, |asked| asked + GATHER)));
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                book.sync()?;
+                (asked, due) = (Some(Instant::now()), None);
+            }
+            Err(RecvTimeoutError::Disconnected) => return book.sync().map(|_| ()),
         }
-        book.sync()?;
     }
-    Ok(())
 }

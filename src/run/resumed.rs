@@ -121,6 +121,11 @@ impl Resumed {
                 "what the tool did to the groove of pass {pass} while the spindle ran down, if it stood in it: look at it"
             ));
         }
+        if self.left.tools_of_before().is_some() {
+            let text = "whether the new tool is in place already: the journal has not seen that it was put in, so the way is that of \
+                        the one before";
+            unknown.push(text.into());
+        }
         let edge = match self.plan.changed {
             Some(_) => "whether the new tool stands where its table says: the groove lies by it",
             None => "whether the edge of the tool is whole",

@@ -33,7 +33,7 @@ fn recorded(folder: &Path) -> u64 {
 }
 
 /// Starts a run and kills everybody as soon as so many cycles are recorded; whether the run was still on.
-fn killed(place: &Place, at: u64, arguments: &[&str]) -> bool {
+pub(crate) fn killed(place: &Place, at: u64, arguments: &[&str]) -> bool {
     place.clear("run");
     let mut command = place.pitchlock();
     command.args(["run", "--out", "run", "--quiet", "--trace", "none"]).args(arguments);
@@ -323,13 +323,12 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
     }
 
     // Who takes it for a run that came to its end is told what it is.
-    for command in ["run", "replay"] {
-        let answer = place.ask(&[command, "run"]);
-        assert!(
-            answer.status == Some(2) && answer.stderr.contains("run --resume` goes on"),
-            "{}",
-            answer.stderr
-        );
+    for command in [&["run", "run"][..], &["replay", "run"], &["report", "run"], &["diff", "run", "run"]] {
+        let answer = place.ask(command);
+        assert_eq!(answer.status, Some(2), "{command:?}: {}", answer.stderr);
+        for words in ["was broken off", "run --resume` goes on"] {
+            assert!(answer.stderr.contains(words), "{command:?}: {}", answer.stderr);
+        }
     }
     // Nothing is written by a dry run.
     let before = held(&place.at("run"));
@@ -354,6 +353,8 @@ fn a_run_that_still_goes_on_is_not_gone_on_with() {
     let mut launcher = command.spawn().expect("it starts");
     until("it runs", || recorded(&place.at("run")) > 0);
     let answer = place.ask(&["run", "run", "--resume"]);
+    assert!(answer.status == Some(2) && answer.stderr.contains("still goes on"), "{}", answer.stderr);
+    let answer = place.ask(&["report", "run"]);
     assert!(answer.status == Some(2) && answer.stderr.contains("still goes on"), "{}", answer.stderr);
     signal(launcher.id(), "KILL");
     launcher.wait().expect("it was started here");

@@ -1,12 +1,15 @@
 //! A tool that broke in a thread is changed, and `run RUN_DIR --resume --tools NEW` goes on with the new one:
 //! the axes carry it elsewhere, and the thread lies where it lay.
 
-use std::path::PathBuf;
+use std::{fs, path::PathBuf};
 
 use rig::observe::{Outcome, PartVerdict, Summary};
 use serde_json::Value;
 
-use crate::shop::{Answer, Place};
+use crate::{
+    resume::killed,
+    shop::{Answer, Place},
+};
 
 /// Turned by one tool, threaded by another, both with their lengths.
 const PROGRAM: &str = "(thread, M20x2-6g)\nG18 G21 G90 G8 G94 G97\nT1 M6 G43\nM3 S800\nG0 X9.91 Z1\nG1 Z-16 F600\nG1 X12\nG0 Z8\n\
@@ -24,9 +27,14 @@ fn soft() -> String {
 
 /// The run of a program that is aborted where the scenario says.
 fn aborted(place: &Place, text: &str, at: &str) {
+    broken_off(place, text, at, "abort = true");
+}
+
+/// The same, broken off by whatever.
+fn broken_off(place: &Place, text: &str, at: &str, by: &str) {
     let program = place.write("screw.ngc", text).display().to_string();
     let table = place.write("shop.tbl", TABLE).display().to_string();
-    let scenario = format!("[[event]]\nat = {at}\nabort = true\n");
+    let scenario = format!("[[event]]\nat = {at}\n{by}\n");
     let scenario = place.write("abort.toml", scenario).display().to_string();
     place.write("lathe.toml", soft());
     place.clear("first");
@@ -121,6 +129,61 @@ fn a_tool_is_changed_wherever_the_run_was_broken_off() {
     }
     let told = with_table(&place, TABLE, &["--dry-run"]);
     assert!(told.stdout.contains("changes no move"), "{}", told.stdout);
+}
+
+/// The power goes again. Until the journal has seen the new tool put in, the one in the holder is the old one:
+/// the way is that of the old one, however often that happens; behind it the new one is known.
+#[test]
+fn power_that_is_lost_again_while_a_tool_is_changed_leaves_it_known() {
+    // Two millimetres shorter: where the new one is clear of its thread, the old one stands deep in it.
+    let short = "T1 P1 X0.5 Z1.0\nT3 P3 X-2.2 Z2.37\n";
+    let place = Place::new();
+    // The regulator that would lift the tool is dead: it stays in its groove.
+    broken_off(&place, PROGRAM, "{ pass = 3, z_mm = -5.0 }", "kill = \"regulator-x\"");
+    let table = place.write("new.tbl", short).display().to_string();
+    let first = ["first", "--resume", "--tools", &table];
+    let slowly = ["--pace", "0.05"];
+    let is_of_the_old_one = |folder: &str| {
+        let told = place.ask(&["run", folder, "--resume", "--dry-run"]);
+        assert_eq!(told.status, Some(0), "{}", told.stderr);
+        for words in [
+            "whether the new tool is in place already",
+            "way       to X 10.800 Z",
+            "X -2.000 Z +0.370 mm from the one before: put it in where the old one has come out",
+        ] {
+            assert!(told.stdout.contains(words), "{}", told.stdout);
+        }
+    };
+    assert!(killed(&place, 1, &[&first[..], &slowly].concat()), "it is killed on its way");
+    is_of_the_old_one("run");
+    fs::rename(place.at("run"), place.at("second")).expect("room");
+    assert!(killed(&place, 1, &[&["second", "--resume"][..], &slowly].concat()), "and once more");
+    is_of_the_old_one("run");
+
+    let finished = || {
+        place.clear("on");
+        let answer = place.ask(&["run", "run", "--resume", "--out", "on", "--trace", "none"]);
+        assert!(matches!(answer.status, Some(0 | 3)), "{}", answer.stderr);
+        let on = Summary::read(&place.at("on/summary.json")).expect("it has one");
+        assert_eq!((on.outcome, &on.faults[..]), (Outcome::Completed, &[][..]));
+        assert!(on.thread.tool_phase_spread_um <= 1.5, "{:?}", on.thread);
+        let [x, z, _] = lies(&on, 5);
+        assert!((x + 2.2).abs() < 1e-6 && (z - 2.37).abs() < 1e-6, "X {x} Z {z}");
+        let good = on
+            .resumed
+            .and_then(|resumed| resumed.gauge_without_rings)
+            .or(on.gauge.map(|gauge| gauge.verdict));
+        assert_eq!(good, Some(PartVerdict::Good), "{:?}", on.part);
+    };
+    finished();
+    let again = place.ask(&["replay", "on"]);
+    assert_eq!(again.status, Some(0), "{}{}", again.stdout, again.stderr);
+
+    // In its next pass the new tool is known, and nobody is asked to put it in.
+    assert!(killed(&place, 3500, &first), "it is killed behind the change");
+    let told = place.ask(&["run", "run", "--resume", "--dry-run"]);
+    assert!(told.stdout.contains("tool      3,") && !told.stdout.contains("put it in"), "{}", told.stdout);
+    finished();
 }
 
 #[test]

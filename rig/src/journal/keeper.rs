@@ -44,7 +44,9 @@ pub struct Keeper {
     every: u64,
     /// Knobs at the tick before: an action is one that has come to rest.
     knobs: [f64; 3],
-    last: Option<State>,
+    /// What is known, once anything was seen: changed where it lies, for it is long.
+    state: State,
+    seen: bool,
     written: Option<State>,
 }
 
@@ -62,7 +64,14 @@ impl Keeper {
             taken: 0,
             every: (PROGRESS_S / machine.general.cycle_s).round() as u64,
             knobs: [100.0; 3],
-            last: None,
+            state: State {
+                input: run.input,
+                seed: run.seed,
+                step: run.begun_at,
+                passes: run.passes,
+                ..State::nothing()
+            },
+            seen: false,
             written: None,
         }
     }
@@ -79,74 +88,54 @@ impl Keeper {
         if record.machine.cycle != record.truth.cycle {
             return None;
         }
-        let state = self.state(record.machine, record.axes, &record.truth.measurement);
-        self.last = Some(state);
-        let due = self.written.is_none_or(|written| {
-            is_event(&written, &state)
-                || state.cycle - written.cycle >= self.every && differs(&written, &state)
+        self.take(record.machine, record.axes, &record.truth.measurement);
+        let state = &self.state;
+        let due = self.written.as_ref().is_none_or(|written| {
+            is_event(written, state) || state.cycle - written.cycle >= self.every && differs(written, state)
         });
-        due.then(|| *self.written.insert(state))
+        due.then(|| *self.written.insert(self.state))
     }
 
     /// What is known last, at the end of a run.
     pub fn last(&self) -> Option<State> {
-        self.last
+        self.seen.then_some(self.state)
     }
 
-    fn state(
-        &mut self,
-        machine: &MachineStatus,
-        axes: &[(Axis, AxisStatus)],
-        measurement: &Measurement,
-    ) -> State {
-        let before = self.last.unwrap_or_else(|| State {
-            input: self.run.input,
-            seed: self.run.seed,
-            step: self.run.begun_at,
-            passes: self.run.passes,
-            ..State::nothing()
-        });
+    fn take(&mut self, machine: &MachineStatus, axes: &[(Axis, AxisStatus)], measurement: &Measurement) {
+        self.seen = true;
+        let (panel, state) = (&measurement.panel, &mut self.state);
         // What was still to come is thrown away when a program is ended, and would count as taken.
-        let over = machine.fault != 0 || machine.stopped != 0 || machine.state() == MachineState::Fault;
-        let step = match over {
-            true => before.step,
-            false => self.run.begun_at + machine.taken.saturating_sub(self.run.before),
-        };
-        let panel = &measurement.panel;
-        let mut state = State {
-            cycle: measurement.cycle.0,
-            step: step.max(before.step),
-            moves: machine.moves,
-            spindle_count: measurement.spindle_count,
-            index_count: measurement.index_count,
-            index_number: measurement.index_number,
-            spindle_rpm: machine.spindle_rpm,
-            measured: measurement.axes.map(|axis| axis.position),
-            overrides_pct: [panel.spindle_override_pct, panel.feed_override_pct, panel.rapid_override_pct],
-            line: machine.line,
-            pass: machine.pass,
-            machine: machine.state,
-            fault: machine.fault,
-            stopped: u32::from(machine.stopped),
-            tool: machine.tool,
-            coolant: u32::from(machine.coolant),
-            outputs: machine.outputs,
-            analog: machine.analog,
-            inputs: measurement.inputs,
-            buttons: panel.buttons,
-            cycle_starts: panel.cycle_starts,
-            ..before
-        };
+        if machine.fault == 0 && machine.stopped == 0 && machine.state() != MachineState::Fault {
+            state.step = state.step.max(self.run.begun_at + machine.taken.saturating_sub(self.run.before));
+        }
+        state.cycle = measurement.cycle.0;
+        state.moves = machine.moves;
+        state.spindle_count = measurement.spindle_count;
+        state.index_count = measurement.index_count;
+        state.index_number = measurement.index_number;
+        state.spindle_rpm = machine.spindle_rpm;
+        state.measured = measurement.axes.map(|axis| axis.position);
+        state.overrides_pct = [panel.spindle_override_pct, panel.feed_override_pct, panel.rapid_override_pct];
+        state.line = machine.line;
+        state.pass = machine.pass;
+        state.machine = machine.state;
+        state.fault = machine.fault;
+        state.stopped = u32::from(machine.stopped);
+        state.tool = machine.tool;
+        state.coolant = u32::from(machine.coolant);
+        state.outputs = machine.outputs;
+        state.analog = machine.analog;
+        state.inputs = measurement.inputs;
         if let Some(origin_mm) = self.origins_mm.get(&machine.pass) {
             state.origin_mm = *origin_mm;
         }
-        self.follow_pass(&mut state, machine, axes);
-        self.act(&mut state, &before, panel);
-        state
+        self.follow_pass(machine, axes);
+        self.act(panel);
     }
 
     /// Whether a pass is armed, goes on, is cut to its end.
-    fn follow_pass(&mut self, state: &mut State, machine: &MachineStatus, axes: &[(Axis, AxisStatus)]) {
+    fn follow_pass(&mut self, machine: &MachineStatus, axes: &[(Axis, AxisStatus)]) {
+        let state = &mut self.state;
         for (axis, status) in axes {
             state.axes[axis.index()] = status.state as u8;
         }
@@ -166,7 +155,8 @@ impl Keeper {
     }
 
     /// What the operator did since the tick before.
-    fn act(&mut self, state: &mut State, before: &State, panel: &Panel) {
+    fn act(&mut self, panel: &Panel) {
+        let state = &mut self.state;
         let mut acts = [None; 5];
         let knobs = [Act::SpindleOverride, Act::FeedOverride, Act::RapidOverride];
         for (index, act) in knobs.into_iter().enumerate() {
@@ -178,10 +168,12 @@ impl Keeper {
                 acts[index] = Some((act, now));
             }
         }
-        if panel.buttons != before.buttons {
+        if panel.buttons != state.buttons {
+            state.buttons = panel.buttons;
             acts[3] = Some((Act::Buttons, f64::from(panel.buttons)));
         }
-        if panel.cycle_starts != before.cycle_starts {
+        if panel.cycle_starts != state.cycle_starts {
+            state.cycle_starts = panel.cycle_starts;
             acts[4] = Some((Act::CycleStart, f64::from(panel.cycle_starts)));
         }
         for (act, value) in acts.into_iter().flatten() {
