@@ -166,8 +166,8 @@ impl Left {
         Ok(plan)
     }
 
-    /// The tool table of the run that this one goes on with, if it is another one and the journal has not seen
-    /// yet that a tool was put in: then the tool in place is that of before.
+    /// The tool table of the run that this one goes on with, if it is another one and the journal has not
+    /// seen yet that a tool was put in: then the tool in place is that of before.
     pub(crate) fn tools_of_before(&self) -> Option<&PathBuf> {
         let in_place = self.in_place()?;
         let held = |tools: &PathBuf| intake::bytes(tools, intake::TABLE).ok();

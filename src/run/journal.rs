@@ -1,9 +1,8 @@
 //! The journal of a run, written by a thread of its own: in its folder there is at any time what the control
 //! knows.
 //!
-//! Nothing waits for the disk: what the thread cannot take yet is kept back, and the newest takes its place. Nor is
-//! the disk asked more often than it makes sense for: what comes soon after it was is written, and confirmed with
-//! what follows.
+//! Nothing waits for the disk: what the thread cannot take yet is kept back, and the newest takes its place.
+//! What comes soon after the disk was asked is written at once, and confirmed with what follows.
 
 use std::{
     io,
@@ -24,8 +23,8 @@ use crate::error::CliError;
 pub(crate) const JOURNAL: &str = "journal.bin";
 /// Records that wait for the disk at most.
 const WAITING: usize = 64;
-/// The disk is asked to have it at most so often: of a machine that runs much faster than in truth, each record by
-/// itself would take as long as three in a hundred of the run.
+/// The disk is asked to have it at most so often: of a machine that runs much faster than in truth, asking for
+/// each record by itself would take three in a hundred of the run.
 const GATHER: Duration = Duration::from_millis(20);
 
 /// A journal that is being written.
@@ -71,7 +70,8 @@ impl Journal {
     }
 }
 
-/// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what follows.
+/// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what
+/// follows.
 fn write(news: &Receiver<State>, mut book: Book<File>) -> io::Result<()> {
     // When the disk has to be asked; never while all is confirmed.
     let (mut asked, mut due) = (None::<Instant>, None::<Instant>);

@@ -131,8 +131,8 @@ fn a_tool_is_changed_wherever_the_run_was_broken_off() {
     assert!(told.stdout.contains("changes no move"), "{}", told.stdout);
 }
 
-/// The power goes again. Until the journal has seen the new tool put in, the one in the holder is the old one:
-/// the way is that of the old one, however often that happens; behind it the new one is known.
+/// The power goes again. Until the journal has seen the new tool put in, the one in the holder is the old
+/// one: the way is that of the old one, however often that happens; behind it the new one is known.
 #[test]
 fn power_that_is_lost_again_while_a_tool_is_changed_leaves_it_known() {
     // Two millimetres shorter: where the new one is clear of its thread, the old one stands deep in it.
