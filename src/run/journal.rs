@@ -23,8 +23,8 @@ use crate::error::CliError;
 pub(crate) const JOURNAL: &str = "journal.bin";
 /// Records that wait for the disk at most.
 const WAITING: usize = 64;
-/// The disk is asked to have it at most so often: of a machine that runs much faster than in truth, asking for
-/// each record by itself would take three in a hundred of the run.
+/// The disk is asked to have it at most so often: of a machine that runs much faster than in truth, asking
+/// for each record by itself would take three in a hundred of the run.
 const GATHER: Duration = Duration::from_millis(20);
 
 /// A journal that is being written.
