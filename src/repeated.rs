@@ -1,12 +1,15 @@
 //! What follows from one cause is told once, at its first line, with how often it comes. In: diagnostics in
 //! the order of their lines. Out: fewer of them. Editors get them all: each marks its line.
 
-use interpreter::Diagnostic;
+use std::{collections::BTreeMap, sync::Arc};
 
-/// They come again in every block until the spindle, or how feeds count, is told something else.
+use interpreter::{Diagnostic, Severity};
+
+/// They come again in every block until the spindle, or how feeds count, is told something else: what they
+/// say of the first one is enough.
 const UNTIL_TOLD: [&str; 3] = ["spindle-not-turning", "constant-surface-thread", "unlikely-feed"];
 
-/// Words and codes that a program writes again and again, and what it asks for that is not there.
+/// Errors by words and codes that a program writes again and again, and by what it asks for that is not there.
 const BY_MESSAGE: [&str; 9] = [
     "bad-contour",
     "modal-group",
@@ -19,23 +22,52 @@ const BY_MESSAGE: [&str; 9] = [
     "unused-word",
 ];
 
-/// Whether the second says the same as the first.
-fn is_same(first: &Diagnostic, second: &Diagnostic) -> bool {
-    let of_axis = |message: &str| message.split(" (").next().map(str::to_owned);
-    let alike = UNTIL_TOLD.contains(&first.code) && first.help == second.help
-        || BY_MESSAGE.contains(&first.code) && first.message == second.message
-        || first.code == "no-such-axis" && of_axis(&first.message) == of_axis(&second.message)
-        || first.code == "arc-radius" && first.help == second.help && first.help.contains("the arc fits");
-    alike
-        && (&first.file, first.code, first.severity) == (&second.file, second.code, second.severity)
-        && first.line < second.line
+/// What the same findings have in common: file, code, severity, and the part of their texts that counts.
+type Cause = (Arc<str>, &'static str, bool, String);
+
+/// `None`: it is told by itself.
+fn cause(one: &Diagnostic) -> Option<Cause> {
+    let Diagnostic { code, message, help, .. } = one;
+    let is_warning = one.severity == Severity::Warning;
+    let text = match *code {
+        code if UNTIL_TOLD.contains(&code) => help.clone(),
+        "no-such-axis" => message.split(" (").next().unwrap_or_default().to_owned(),
+        "arc-radius" if help.contains("the arc fits") => help.clone(),
+        // One setting of the machine file settles all of them.
+        "no-decimal-point" if !is_warning => help.split_once(';').map(|(_, settled)| settled.to_owned())?,
+        code if is_warning || BY_MESSAGE.contains(&code) => without_figures(message),
+        _ => return None,
+    };
+    Some((one.file.clone(), one.code, is_warning, text))
+}
+
+/// A text without its figures. What names something stays: `H1`, `#500`, `line 4`.
+fn without_figures(text: &str) -> String {
+    let named = |word: &str| word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '#');
+    let mut kept = String::with_capacity(text.len());
+    for word in text.split_inclusive(' ') {
+        let behind_line = kept.ends_with("line ");
+        match word.contains(|c: char| c.is_ascii_digit()) && !named(word) && !behind_line {
+            true => kept.extend(word.chars().filter(|c| !c.is_ascii_digit() && !matches!(c, '.' | '-'))),
+            false => kept.push_str(word),
+        }
+    }
+    kept
 }
 
 /// Leaves the first of each.
 pub(crate) fn once_each(diagnostics: &mut Vec<Diagnostic>) {
     let mut told: Vec<(Diagnostic, u32, u32)> = Vec::new();
+    let mut causes = BTreeMap::<Cause, usize>::new();
     for next in diagnostics.drain(..) {
-        match told.iter_mut().find(|(first, ..)| is_same(first, &next)) {
+        let known = cause(&next).and_then(|cause| match causes.get(&cause) {
+            Some(at) => Some(*at),
+            None => {
+                causes.insert(cause, told.len());
+                None
+            }
+        });
+        match known.and_then(|at| told.get_mut(at)).filter(|(first, ..)| first.line < next.line) {
             Some((_, more, last)) => (*more, *last) = (*more + 1, next.line),
             None => told.push((next, 0, 0)),
         }

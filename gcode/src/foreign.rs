@@ -93,10 +93,10 @@ fn sets_a_name(text: &[u8]) -> bool {
     letters > 1 && text.get(end) == Some(&b'=') && text.get(end + 1) != Some(&b'=')
 }
 
-/// `T1.1`: a tool and its offset.
+/// `T1.1`: a tool and its offset. `T1.0` is tool 1, as some posts write whole numbers.
 fn has_point_inside(digits: &[u8]) -> bool {
     let point = digits.iter().position(|byte| *byte == b'.');
-    point.is_some_and(|at| at > 0 && at + 1 < digits.len())
+    point.is_some_and(|at| at > 0 && digits[at + 1..].iter().any(|byte| *byte != b'0'))
 }
 
 #[cfg(test)]
@@ -129,6 +129,7 @@ mod tests {
             ("%\nO1000\nG0 X1\n", None),
             ("%\nO1000 (T1.1 CALL OUT, DIAMOND TOOL)\nT0101\nG0 X1.5\n", None),
             ("o<turn> sub\nT1 M6\n", None),
+            ("(begin preamble)\nG18 G54 G90\nM6 T1.0\nM3 S800.00\n", None),
             ("Only a remark\n", None),
             ("#1=2 #2=3\nIF [#1 EQ 2] THEN #3=4\nG1 X=5\n(MSG=5)\n", None),
             ("#<diamond> = 2\no<toolcall> call\n#<vzofs> = 1\n", None),

@@ -20,7 +20,7 @@ pub(crate) fn too_much(problem: &Problem) -> Option<Option<char>> {
         ("unused-word" | "not-available" | "feed-in-thread" | "repeated-word", Blame::Word(letter)) => {
             Some(Some(letter))
         }
-        ("repeated-word" | "unknown-m-code", Blame::Span(_)) => Some(None),
+        ("repeated-word" | "unknown-m-code", Blame::Span(_)) | ("no-decimal-point", _) => Some(None),
         _ => None,
     }
 }

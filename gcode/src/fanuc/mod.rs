@@ -192,7 +192,7 @@ impl Control {
             Statement::Block => {
                 self.modal.rigid |= self.line.rigid;
                 self.simulator.stock(&self.line, out)?;
-                self.points.see(self.decimal_point, &self.line, out)?;
+                self.points.see(self.decimal_point, &mut self.line, out)?;
                 if let Some(idle) = &self.line.idle {
                     let (blame, message) = (Blame::Span(idle.span), idle.message.as_str());
                     out.warn(Problem::warning("no-effect", blame, message, "leave it out"));

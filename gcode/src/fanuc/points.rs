@@ -30,11 +30,20 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Takes a block.
+    /// Takes a block. Behind a refusal lengths without a point are taken as mm or inch, as who mixes them
+    /// mostly means them: what would follow from 0.04 mm is not found wrong as well.
     ///
     /// # Errors
     /// A coordinate has no point, and the machine, or others of the program, say that it should.
-    pub(super) fn see(&mut self, rule: Option<DecimalPoint>, line: &Line, out: &mut Output) -> Done {
+    pub(super) fn see(&mut self, rule: Option<DecimalPoint>, line: &mut Line, out: &mut Output) -> Done {
+        let seen = self.judge(rule, line, out);
+        if seen.is_err() {
+            line.decimal_point = Some(DecimalPoint::PocketCalculator);
+        }
+        seen
+    }
+
+    fn judge(&mut self, rule: Option<DecimalPoint>, line: &Line, out: &mut Output) -> Done {
         if matches!(rule, Some(DecimalPoint::Conventional | DecimalPoint::PocketCalculator)) {
             return Ok(());
         }
