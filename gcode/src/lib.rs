@@ -83,7 +83,7 @@ mod state;
 mod text;
 
 pub use canon::{Call, Job, Place, Pose, Sink};
-pub use fanuc::program_files;
+pub use fanuc::{in_system_a, is_system_b, program_files};
 pub use foreign::foreign;
 pub use guess::{Guess, guess, guess_of_mill};
 pub use options::{DecimalPoint, Dialect, Limits, MachineCode, Options, Skips, UnknownDialect};

@@ -11,6 +11,7 @@ use lsp_server::{Message, Notification};
 
 use crate::{
     places::path_of,
+    server::is_system_b,
     settings::Settings,
     text::{Text, range},
 };
@@ -38,6 +39,7 @@ pub(crate) struct Job {
 pub(crate) struct Checked {
     pub(crate) uri: String,
     pub(crate) dialect: Dialect,
+    pub(crate) system_b: bool,
 }
 
 /// Questions as they come, and where results go.
@@ -74,7 +76,8 @@ impl Checker {
                     let Some((uri, job)) = waiting.pop_first() else { continue };
                     match self.check(&job) {
                         Some((dialect, found)) => {
-                            let _ = self.done.send(Checked { uri: uri.clone(), dialect });
+                            let system_b = is_system_b(&job.text, dialect);
+                            let _ = self.done.send(Checked { uri: uri.clone(), dialect, system_b });
                             self.publish(uri, Some(job.version), found)
                         }
                         None => {

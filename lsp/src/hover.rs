@@ -1,43 +1,58 @@
-//! What a word means: the rows of the language pages that tell of it. In: a line, a place in it, a dialect.
-//! Out: text in Markdown, or nothing.
+//! What a word means: the rows of the language pages that tell of it. In: a line, a place in it, what the
+//! program around it says. Out: text in Markdown, or nothing.
 
 use std::ops::Range;
 
 use gcode::{
     Dialect,
-    codes::{G, M},
+    codes::{G, M, g_group},
 };
 
 use crate::pages::{Row, below, rows};
 use crate::scan::{self, Kind, Token, label_of, scan};
 
-/// What stands at a byte of a line, and what it means; `modal` is the code that is in force, where the block
-/// has none of its own.
-pub fn meaning(
-    line: &str,
-    byte: usize,
-    dialect: Dialect,
-    modal: Option<&str>,
-) -> Option<(Range<usize>, String)> {
+/// What the program around a line says of its words.
+#[derive(Clone, Copy, Debug)]
+pub struct Around<'a> {
+    /// The dialect that it is read in.
+    pub dialect: Dialect,
+    /// It is a lathe program of FANUC's G-code system B.
+    pub system_b: bool,
+    /// The code of motion or of a cycle that is in force, where the block has none of its own.
+    pub modal: Option<&'a str>,
+}
+
+/// What stands at a byte of a line, and what it means.
+pub fn meaning(line: &str, byte: usize, around: &Around) -> Option<(Range<usize>, String)> {
+    let dialect = around.dialect;
     let tokens = scan(line, dialect);
     let token = &tokens[scan::at(&tokens, byte)?];
     let text = &line[token.at.clone()];
     let told = match token.kind {
         Kind::Word(letter @ ('G' | 'M')) => {
-            code(letter, text, dialect).and_then(|row| titled(&name(letter, text)?, row))
+            let row = code(letter, text, around)?;
+            titled(&name(letter, text)?, &group(row), row)
         }
-        Kind::Word(letter) => Some(word(letter, &codes(line, &tokens), dialect, modal)),
-        Kind::Parameter => parameter(text, dialect).and_then(|row| titled(text, row)),
+        Kind::Word(letter) => Some(word(letter, &codes(line, &tokens), around)),
+        Kind::Parameter => parameter(text, dialect).and_then(|row| titled(text, "", row)),
         Kind::Label => label(text, dialect),
-        Kind::Comment => comment(text).and_then(|row| titled(row.cells[0].trim_matches('`'), row)),
-        Kind::Name => named(text, dialect).and_then(|row| titled(&text.to_uppercase(), row)),
+        Kind::Comment => comment(text).and_then(|row| titled(row.cells[0].trim_matches('`'), "", row)),
+        Kind::Name => named(text, dialect).and_then(|row| titled(&text.to_uppercase(), "", row)),
         Kind::Number | Kind::Sign => None,
     }?;
     Some((token.at.clone(), told))
 }
 
-fn titled(title: &str, row: &Row) -> Option<String> {
-    Some(format!("**{title}**  \n{}", row.told()))
+/// The codes of a row that tells of several, in the order in which it does.
+fn group(row: &Row) -> String {
+    if row.names().nth(1).is_none() {
+        return String::new();
+    }
+    row.names().collect::<Vec<_>>().join(" ") + ": "
+}
+
+fn titled(title: &str, group: &str, row: &Row) -> Option<String> {
+    Some(format!("**{title}**  \n{group}{}", row.told()))
 }
 
 const fn page(dialect: Dialect) -> &'static str {
@@ -60,8 +75,14 @@ pub(crate) fn name(letter: char, text: &str) -> Option<String> {
 }
 
 /// The row of a code.
-fn code(letter: char, text: &str, dialect: Dialect) -> Option<&'static Row> {
-    let name = name(letter, text)?;
+fn code(letter: char, text: &str, around: &Around) -> Option<&'static Row> {
+    let (name, dialect) = (name(letter, text)?, around.dialect);
+    if around.system_b {
+        let mut rows = below(page(dialect), "G-code system B");
+        if let Some(row) = rows.find(|row| row.names().any(|one| one == name)) {
+            return Some(row);
+        }
+    }
     let tables: &[&str] = if letter == 'G' { &["G codes", "Refused by name"] } else { &["M codes"] };
     // M codes of lathes are also those of mills.
     let pages = [page(dialect), "gcode-fanuc.md"];
@@ -79,51 +100,78 @@ pub(crate) fn codes(line: &str, tokens: &[Token]) -> Vec<String> {
     tokens.iter().filter_map(of).collect()
 }
 
-/// What a letter means: to the codes of its block, and in itself.
-fn word(letter: char, codes: &[String], dialect: Dialect, modal: Option<&str>) -> String {
-    let of: Vec<&str> = codes.iter().map(String::as_str).chain(modal).collect();
-    let told = match dialect {
-        Dialect::Linuxcnc => of_linuxcnc(letter, &of),
-        Dialect::Fanuc | Dialect::FanucMill => of_fanuc(letter, &of, dialect),
+/// What a letter means: to the codes of its block, to the one in force, and in itself.
+fn word(letter: char, codes: &[String], around: &Around) -> String {
+    let told = match around.dialect {
+        Dialect::Linuxcnc => of_linuxcnc(letter, codes, around),
+        Dialect::Fanuc | Dialect::FanucMill => of_fanuc(letter, codes, around),
     };
     [vec![format!("**{letter}**")], told].concat().join("  \n")
 }
 
-fn of_linuxcnc(letter: char, codes: &[&str]) -> Vec<String> {
-    let mut told = Vec::new();
+/// The codes of a block with that in force behind them, which none of theirs takes the place of.
+fn acting<'a>(codes: &'a [String], around: &Around<'a>) -> impl Iterator<Item = &'a str> {
+    let once = |code: &str| around.dialect == Dialect::Fanuc && code.starts_with("G7");
+    let moves = codes.iter().any(|code| once(code) || is_motion(code, around.dialect, around.system_b));
+    codes.iter().map(String::as_str).chain(around.modal.filter(|_| !moves))
+}
+
+/// Whether a code says how its words move the tool, until another one does.
+pub(crate) fn is_motion(code: &str, dialect: Dialect, system_b: bool) -> bool {
+    let number = code.strip_prefix('G').and_then(|number| number.parse::<f64>().ok());
+    let Some(code) = number.map(|number| G((10.0 * number).round() as u16)) else { return false };
+    let code = if system_b { gcode::in_system_a(code) } else { Some(code) };
+    code.is_some_and(|code| match dialect {
+        Dialect::Linuxcnc => g_group(code) == g_group(G(10)),
+        Dialect::Fanuc => matches!(code.0, 0..40 | 320 | 340..=360 | 800..900 | 900 | 920 | 940),
+        Dialect::FanucMill => matches!(code.0, 0..40 | 730..900),
+    })
+}
+
+fn of_linuxcnc(letter: char, codes: &[String], around: &Around) -> Vec<String> {
     let belongs = |row: &&Row| row.has(0, letter);
-    for name in codes {
-        let Some(first) = name.chars().next() else { continue };
-        let Some(row) = code(first, name, Dialect::Linuxcnc) else { continue };
-        let below = row.leads().into_iter().flat_map(|(page, section)| below(page, section));
-        let own: Vec<String> = below.filter(belongs).map(Row::told).collect();
-        let column = row.head.iter().position(|head| *head == "words").and_then(|at| row.cells.get(at));
-        match (own.is_empty(), column) {
-            (false, _) => told.extend(own.into_iter().map(|own| format!("of {name}: {own}"))),
-            (true, Some(words)) if words.contains(letter) => told.push(format!("{name} takes: {words}")),
-            _ => {}
+    let own = |name: &str| {
+        let words = below("gcode.md", "Words of the codes");
+        let mut words = words.filter(|row| row.names().any(|one| one == name) && row.has(1, letter));
+        if let Some(row) = words.next() {
+            return Some(format!("of {name}: {}", row.meaning()));
         }
+        let row = code(name.chars().next()?, name, around)?;
+        let mut below = row.leads().into_iter().flat_map(|(page, section)| below(page, section));
+        below.find(belongs).map(|row| format!("of {name}: {}", row.told()))
+    };
+    match acting(codes, around).find_map(own) {
+        Some(own) => vec![own],
+        None => below("gcode.md", "Other words").filter(belongs).map(Row::told).collect(),
     }
-    told.extend(below("gcode.md", "Other words").filter(belongs).map(Row::told));
-    told
 }
 
 /// The first of the codes that has a meaning of its own for the letter tells it; else it is what it is
 /// everywhere.
-fn of_fanuc(letter: char, codes: &[&str], dialect: Dialect) -> Vec<String> {
+fn of_fanuc(letter: char, codes: &[String], around: &Around) -> Vec<String> {
+    let dialect = around.dialect;
     let tables = [(page(dialect), "Words of the codes"), ("gcode-fanuc.md", "Words of calls")];
-    let own = |name: &&str| {
+    let own = |name: &str| {
+        let there = if around.system_b { in_system_a(name) } else { Some(name.to_owned()) }?;
         let rows = tables.iter().flat_map(|(page, section)| below(page, section));
-        let mut rows = rows.filter(|row| row.names().any(|one| one == *name) && row.has(1, letter));
+        let mut rows = rows.filter(|row| row.names().any(|one| one == there) && row.has(1, letter));
         rows.next().map(|row| format!("of {name}: {}", row.meaning()))
     };
-    if let Some(own) = codes.iter().find_map(own) {
+    if let Some(own) = acting(codes, around).find_map(own) {
         return vec![own];
     }
     let numbers = below("gcode-fanuc.md", "Numbers").filter(|row| !row.cells[0].contains(" of "));
     let numbers = numbers.filter(|_| dialect == Dialect::Fanuc);
     let rows = below(page(dialect), "Other words").chain(numbers);
     rows.filter(|row| row.has(0, letter)).map(Row::told).collect()
+}
+
+/// The name that a code of system B has in system A.
+fn in_system_a(name: &str) -> Option<String> {
+    let Some(number) = name.strip_prefix('G').and_then(|number| number.parse::<f64>().ok()) else {
+        return Some(name.to_owned());
+    };
+    gcode::in_system_a(G((10.0 * number).round() as u16)).map(|code| code.to_string())
 }
 
 /// The row of a parameter: the one that names it, or the narrowest range that holds it.
@@ -182,7 +230,7 @@ fn label(text: &str, dialect: Dialect) -> Option<String> {
     let (label, word) = label_of(text);
     if dialect != Dialect::Linuxcnc {
         let row = below("gcode-fanuc.md", "Other words").find(|row| row.names().any(|name| name == "O"))?;
-        return titled(&format!("O{label}"), row);
+        return titled(&format!("O{label}"), "", row);
     }
     let row = if word.is_empty() {
         below("gcode.md", "M codes").find(|row| row.names().any(|name| name == "M98"))

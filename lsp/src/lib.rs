@@ -20,6 +20,6 @@ mod text;
 mod whole;
 
 pub use format::formatted;
-pub use hover::meaning;
+pub use hover::{Around, meaning};
 pub use server::serve;
 pub use settings::Settings;

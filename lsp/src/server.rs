@@ -3,7 +3,6 @@
 
 use std::{collections::BTreeMap, path::Path};
 
-use gcode::codes::{G, g_group};
 use gen_lsp_types::{
     DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, Hover, HoverParams,
     MarkupContent, MarkupKind, TextDocumentContentChangeEvent,
@@ -15,7 +14,7 @@ use serde_json::{Value, json};
 use crate::{
     check::{Asked, Checked, Checker, Job, crossbeam},
     hover, places,
-    scan::scan,
+    scan::{Kind, scan},
     settings::Settings,
     text::{Text, byte_of, range},
     whole,
@@ -29,6 +28,8 @@ const LINES_BACK: u32 = 200;
 pub(crate) struct Document {
     pub(crate) text: Text,
     pub(crate) dialect: Dialect,
+    /// It is a lathe program of FANUC's G-code system B.
+    pub(crate) system_b: bool,
 }
 
 /// A question that is answered by another thread.
@@ -94,9 +95,9 @@ fn answer() -> Value {
 impl Server {
     fn run(&mut self, connection: &Connection, checked: &crossbeam::Receiver<Checked>) -> Result<(), String> {
         for message in &connection.receiver {
-            for Checked { uri, dialect } in checked.try_iter() {
+            for Checked { uri, dialect, system_b } in checked.try_iter() {
                 if let Some(document) = self.documents.get_mut(&uri) {
-                    document.dialect = dialect;
+                    (document.dialect, document.system_b) = (dialect, system_b);
                 }
             }
             match message {
@@ -157,7 +158,7 @@ impl Server {
                 }
                 let (language, machine) = (&self.settings.language, &self.settings.machine);
                 let (dialect, _) = interpreter::dialect_of_text(opened.text.as_bytes(), language, machine);
-                let document = Document { text: Text::new(&opened.text), dialect };
+                let document = Document::new(Text::new(&opened.text), dialect);
                 self.check(opened.uri.to_string(), opened.version, document);
             }
             "textDocument/didChange" => {
@@ -204,28 +205,36 @@ impl Server {
         let line = document.text.line(at.position.line);
         let byte = byte_of(line, at.position.character);
         let modal = document.modal(at.position.line);
-        let (bytes, told) = hover::meaning(line, byte, document.dialect, modal.as_deref())?;
+        let Document { dialect, system_b, .. } = *document;
+        let around = hover::Around { dialect, system_b, modal: modal.as_deref() };
+        let (bytes, told) = hover::meaning(line, byte, &around)?;
         let content = MarkupContent::new(MarkupKind::Markdown, told);
         Some(Hover::new(content.into(), Some(range(at.position.line, line, bytes))))
     }
 }
 
 impl Document {
+    fn new(text: Text, dialect: Dialect) -> Document {
+        let system_b = is_system_b(&text, dialect);
+        Document { text, dialect, system_b }
+    }
+
     /// The code of motion or of a cycle that a line takes over from those above it.
     fn modal(&self, line: u32) -> Option<String> {
         let above = (line.saturating_sub(LINES_BACK)..line).rev();
         let mut codes = above.flat_map(|number| {
             let line = self.text.line(number);
-            hover::codes(line, &scan(line, self.dialect))
+            let tokens = scan(line, self.dialect);
+            let points = tokens.iter().any(|token| matches!(token.kind, Kind::Word('X' | 'Z' | 'U' | 'W')));
+            // G90, G92 and G94 of FANUC without a point are no cycles.
+            let moves = move |code: &String| points || !matches!(code.as_str(), "G90" | "G92" | "G94");
+            hover::codes(line, &tokens).into_iter().filter(move |code| moves(code))
         });
-        codes.find(|code| {
-            let number = code.strip_prefix('G').and_then(|number| number.parse::<f64>().ok());
-            let Some(tenths) = number.map(|number| (10.0 * number).round() as u16) else { return false };
-            match self.dialect {
-                Dialect::Linuxcnc => g_group(G(tenths)) == g_group(G(10)),
-                Dialect::Fanuc => matches!(tenths, 0..40 | 320 | 340..=360 | 800..900 | 900 | 920 | 940),
-                Dialect::FanucMill => matches!(tenths, 0..40 | 730..900),
-            }
-        })
+        codes.find(|code| hover::is_motion(code, self.dialect, self.system_b))
     }
+}
+
+/// Whether a program is one of G-code system B.
+pub(crate) fn is_system_b(text: &Text, dialect: Dialect) -> bool {
+    dialect == Dialect::Fanuc && gcode::is_system_b(text.lines().iter().map(|line| &**line))
 }

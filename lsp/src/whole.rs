@@ -29,7 +29,7 @@ pub(crate) fn answer(method: &str) -> Option<Answer> {
 
 fn definition(document: &Document, params: &DefinitionParams, folders: &[PathBuf]) -> Option<Definition> {
     let at = &params.text_document_position_params;
-    let (Document { text, dialect }, number) = (document, at.position.line);
+    let (Document { text, dialect, .. }, number) = (document, at.position.line);
     let line = text.line(number);
     let target = places::target(line, byte_of(line, at.position.character), *dialect)?;
     let place = |line: u32| Range::new(Position::new(line, 0), Position::new(line, 0));

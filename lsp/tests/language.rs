@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gcode::canon::{PlainPrinter, Units};
 use gcode::codes::{G, M, g_group, m_group};
 use gcode::{Dialect, Options, Program, Step};
-use lsp::{formatted, meaning};
+use lsp::{Around, formatted, meaning};
 use testing::Seed;
 
 fn project() -> PathBuf {
@@ -99,7 +99,16 @@ fn a_program_means_the_same_as_the_house_writes_it() {
 
 /// What is said of the first word of a line.
 fn said(line: &str, byte: usize, dialect: Dialect) -> String {
-    meaning(line, byte, dialect, None).map_or(String::new(), |(_, told)| told)
+    said_in(line, byte, &Around { dialect, system_b: false, modal: None })
+}
+
+fn said_in(line: &str, byte: usize, around: &Around) -> String {
+    meaning(line, byte, around).map_or(String::new(), |(_, told)| told)
+}
+
+/// The same behind a code that is in force.
+fn said_behind(line: &str, byte: usize, dialect: Dialect, modal: &str) -> String {
+    said_in(line, byte, &Around { dialect, system_b: false, modal: Some(modal) })
 }
 
 #[test]
@@ -113,7 +122,7 @@ fn every_code_is_explained() {
             assert!(said(&m.to_string(), 1, Dialect::Linuxcnc).starts_with(&format!("**{m}**")), "{m}");
         }
     }
-    assert!(said("G01 X1.", 1, Dialect::Fanuc).contains("rapid; line"));
+    assert!(said("G01 X1.", 1, Dialect::Fanuc).contains("line") && !said("G01 X1.", 1, Dialect::Fanuc).contains("rapid"));
     assert!(said("G31", 1, Dialect::Fanuc).contains("measure before"));
     assert!(said("M03", 1, Dialect::Fanuc).contains("spindle clockwise"));
 }
@@ -154,8 +163,22 @@ fn every_word_is_explained_by_the_code_of_its_block() {
         assert!(told.contains(words), "{line}: {words}: {told}");
         assert!(!told.contains("]("), "no link leads out of an editor: {told}");
     }
-    let modal = meaning("X30", 0, Linuxcnc, Some("G83")).map(|(_, told)| told).unwrap_or_default();
-    assert!(modal.contains("of G83") || modal.contains("G83 takes"), "{modal}");
+    assert!(said_behind("X30", 0, Linuxcnc, "G83").contains("of G83: the hole"));
+    // A code of the block takes the place of the one in force, and what a letter is to a code is told alone.
+    for (line, at, words) in [
+        ("G1 Z-5", 3, "where the move goes"),
+        ("M66 P1 L3 Q2", 4, "number of the input"),
+        ("G71 Q100 R1", 9, "retracts"),
+        ("G64 P0.01", 4, "rounded"),
+        ("G33 Z-10 K1.5", 9, "in a turn"),
+        ("G41 D2", 4, "tool whose radius"),
+        ("G96 S150 D2000", 9, "highest speed"),
+    ] {
+        let told = said_behind(line, at, Linuxcnc, "G83");
+        assert!(told.contains(words) && !told.contains("G83"), "{line}: {told}");
+        assert!(!told.contains("belong to a code"), "{line}: {told}");
+    }
+    assert!(said("G3 X1 R2", 1, Linuxcnc).contains("G2 G3: arc clockwise, counterclockwise"));
     for (line, at) in [("(thread of the bolt)", 3), ("G0 X1 (note)", 8), ("G123", 1), ("", 0)] {
         assert_eq!(said(line, at, Linuxcnc), "", "{line}");
     }
@@ -199,8 +222,37 @@ fn words_of_fanuc_mean_what_their_codes_say() {
     // What has a meaning of its own has no other one.
     assert!(!said("G71 U2. R0.5", 4, Fanuc).contains("from the programmed point"));
     assert!(!said("G65 P9100 F0.1", 10, Fanuc).contains("per revolution"));
-    let modal = |code| meaning("X30. Z-5.", 5, FanucMill, code).map(|(_, told)| told).unwrap_or_default();
-    assert!(modal(Some("G83")).contains("bottom of the hole") && modal(None).contains("where the move goes"));
+    assert!(said_behind("X30. Z-5.", 5, FanucMill, "G83").contains("bottom of the hole"));
+    assert!(said("X30. Z-5.", 5, FanucMill).contains("where the move goes"));
+}
+
+/// A code of system B is not what it is in system A, and neither are the words of its block.
+#[test]
+fn codes_of_system_b_are_explained_as_system_b_has_them() {
+    let said = |line: &str, at: usize, modal| {
+        said_in(line, at, &Around { dialect: Dialect::Fanuc, system_b: true, modal })
+    };
+    for (line, at, modal, words, not) in [
+        ("G77 X24. Z-20.", 1, None, "cycle along Z", "thread"),
+        ("G78 X24. Z-20.", 1, None, "thread", "along X"),
+        ("G79 X24. Z-20.", 1, None, "along X", "thread"),
+        ("G33 Z-20. F1.5", 1, None, "thread move", "cycle"),
+        ("G33 Z-20. F1.5", 10, None, "lead along the axis", "per minute"),
+        ("G90 G00 X1.", 1, None, "absolute", "cycle"),
+        ("G92 S3000", 1, None, "highest speed", "cycle"),
+        ("G92 S3000", 4, None, "highest speed of the spindle", "surface"),
+        ("G92 X10. Z5.", 4, None, "coordinates that this point has", "corner"),
+        ("G94", 1, None, "per minute", "cycle"),
+        ("G95 F0.2", 1, None, "per revolution", "cycle"),
+        ("G95 F0.2", 4, None, "per revolution", "per minute"),
+        ("G98 G81 Z-9.", 1, None, "holes", "feed"),
+        ("G78 X24. Z-20. F1.5", 4, None, "of G78: far corner", "G92"),
+        ("X23.", 0, Some("G77"), "of G77: far corner", "G90"),
+        ("X23.", 0, Some("G0"), "diameter", "corner"),
+    ] {
+        let told = said(line, at, modal);
+        assert!(told.contains(words) && !told.contains(not), "{line}: {told}");
+    }
 }
 
 /// Every word that the tables of codes of FANUC name is explained.

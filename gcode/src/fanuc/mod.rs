@@ -65,6 +65,7 @@ use execution::Execution;
 use expression::Values;
 use flow::Flow;
 pub use flow::program_files;
+pub use system::{in_system_a, is_system_b};
 use line::{Line, Statement};
 use modal::Modal;
 use points::Points;

@@ -226,10 +226,7 @@ impl Reading<'_> {
         let ended = cursor.take_if(b';');
         match cursor.peek() {
             None => Ok(()),
-            Some(_) if ended => {
-                let help = "; ends a block; write the next block on a line of its own";
-                Err(cursor.error_here("bad-character", "this stands after the end of the block", help))
-            }
+            Some(_) if ended => skip::behind_end(cursor, line),
             Some(_) => {
                 let help = "only a comment may follow on this line: write words in a block of their own";
                 Err(cursor.error_here("unused-word", "nothing uses this", help))
@@ -381,8 +378,9 @@ fn comment(cursor: &mut Cursor, line: &mut Line) -> Done {
     Ok(())
 }
 
+/// A remark alone does nothing: O of the program may follow it.
 fn of_block(line: &Line) -> Statement {
-    let empty = line.block.is_empty() && line.arguments.is_none() && line.idle.is_none();
+    let empty = !line.block.has_words() && line.arguments.is_none() && line.idle.is_none();
     if empty { Statement::Nothing } else { Statement::Block }
 }
 

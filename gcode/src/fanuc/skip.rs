@@ -1,10 +1,16 @@
-//! What of a line is left out: `/` to `/9` with their switch on, and what stands behind the end of a tape.
+//! What of a line is left out: `/` to `/9` with their switch on, remarks behind `;`, and what stands behind the
+//! end of a tape.
 
+use super::line::{Idle, Line};
 use crate::block::Block;
 use crate::codes::{M, m_group};
+use crate::execute::Done;
 use crate::options::Skips;
 use crate::problem::Problem;
-use crate::text::Cursor;
+use crate::text::{Cursor, is_text};
+
+/// What begins a line that is no text though its letters stand side by side.
+const FLOW: [(&str, ()); 5] = [("if", ()), ("goto", ()), ("while", ()), ("do", ()), ("end", ())];
 
 /// `/`, which is `/1`, to `/9` at the cursor: whether its switch is on and the rest of the line is left out.
 /// It stands at the head of a block, before or behind its number.
@@ -43,6 +49,25 @@ pub(super) fn rest(skips: Skips, cursor: &mut Cursor) -> Result<(), Box<Problem>
     }
     if optional {
         cursor.take_rest();
+    }
+    Ok(())
+}
+
+/// `G00 X10.; Tool 1`: `;` ends a block, and only text may stand behind it, with a warning.
+///
+/// # Errors
+/// It may be another block.
+pub(super) fn behind_end(cursor: &mut Cursor, line: &mut Line) -> Done {
+    let start = cursor.mark();
+    let flows = cursor.peek() == Some(b'#') || cursor.clone().take_name(&FLOW).is_some();
+    if flows || !is_text(cursor.clone().take_rest()) {
+        let help = "; ends a block; write the next block on a line of its own";
+        return Err(cursor.error_here("bad-character", "this stands after the end of the block", help));
+    }
+    cursor.take_rest();
+    if line.idle.is_none() {
+        let message = "what stands behind ; is taken for a remark, as no block can be".into();
+        line.idle = Some(Idle { span: cursor.span(start), message, words: 0 });
     }
     Ok(())
 }

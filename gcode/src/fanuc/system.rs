@@ -7,9 +7,10 @@
 //! | G94 G95 | G98 G99, the feed | | G92 | G50 |
 //! | G33 | G32 | | G98 | nothing: holes end where they began |
 //!
-//! A program is one of system B from the first code on that system A does not have, and from a G94 that cuts
-//! no face: G94, G90 and G92 in front of such a code in its line are of system B, too. What only system A
-//! means by G98 and G99, and by cycles of G90, G92 and G94, decides for A.
+//! A program is one of system B from the first code on that system A does not have, from a G94 that cuts no
+//! face, from a G90, G92 or G94 beside a move, which in system A are moves themselves, and from a G92 with a
+//! point and S but no lead: what stands in front of such a code in its line is of system B, too. What only
+//! system A means by G98 and G99, and by cycles of G90, G92 and G94, decides for A.
 
 use crate::codes::G;
 use crate::problem::{Blame, Problem, Span};
@@ -28,6 +29,10 @@ pub(super) enum System {
 
 /// Codes that system A does not have.
 const ONLY_B: [G; 6] = [G(330), G(770), G(780), G(790), G(910), G(950)];
+/// Codes of system B that are cycles in system A, and codes of both that move something: one block has one
+/// of them.
+const CYCLES_OF_A: [G; 3] = [G(900), G(920), G(940)];
+const MOVES: [G; 7] = [G(0), G(10), G(20), G(30), G(280), G(300), G(530)];
 /// Codes that are something else in both.
 const DIFFER: [G; 5] = [G(900), G(920), G(940), G(980), G(990)];
 
@@ -50,24 +55,55 @@ impl System {
         if *self != System::B {
             return Ok(Some(code));
         }
-        Ok(Some(match code {
-            G(900 | 980) => return Ok(None),
-            G(330) => G(320),
-            G(770) => G(900),
-            G(780) => G(920),
-            G(790) => G(940),
-            G(920) => G(500),
-            G(940) => G(980),
-            G(950) => G(990),
-            _ => return Err(refused(code, span)),
-        }))
+        match code {
+            G(910 | 990) => Err(refused(code, span)),
+            code => Ok(in_system_a(code)),
+        }
     }
+}
+
+/// The code of system A for one of system B; `None` for one that says what is so without it, and for those
+/// that are refused.
+#[must_use]
+pub fn in_system_a(code: G) -> Option<G> {
+    Some(match code {
+        G(900 | 910 | 980 | 990) => return None,
+        G(330) => G(320),
+        G(770) => G(900),
+        G(780) => G(920),
+        G(790) => G(940),
+        G(920) => G(500),
+        G(940) => G(980),
+        G(950) => G(990),
+        code => code,
+    })
+}
+
+/// Whether the codes of a lathe program tell that it is one of system B.
+#[must_use]
+pub fn is_system_b<'a>(lines: impl Iterator<Item = &'a str>) -> bool {
+    let mut system = System::Open;
+    for line in lines {
+        for code in codes(line.as_bytes()) {
+            let _ = system.read(code, line.as_bytes(), Span::default());
+            match system {
+                System::Open => {}
+                System::A(_) => return false,
+                System::B => return true,
+            }
+        }
+    }
+    false
 }
 
 /// Whether a code that differs is of system B by what stands beside it, in whichever order.
 fn is_b(code: G, text: &[u8]) -> bool {
     let is_feed = |code: G| code == G(940) && !has_point(text);
-    is_feed(code) || codes(text).any(|other| ONLY_B.contains(&other) || is_feed(other))
+    let is_beside_a_move =
+        |code: G| CYCLES_OF_A.contains(&code) && codes(text).any(|other| MOVES.contains(&other));
+    let is_origin = |code: G| code == G(920) && has_word(text, b's') && !has_word(text, b'f');
+    let tells = |code: G| is_feed(code) || is_beside_a_move(code) || is_origin(code) && has_point(text);
+    tells(code) || codes(text).any(|other| ONLY_B.contains(&other) || tells(other))
 }
 
 /// The bytes of a line without its comments.
@@ -102,6 +138,11 @@ fn codes(text: &[u8]) -> impl Iterator<Item = G> + '_ {
 /// Whether a line has a point to go to.
 fn has_point(text: &[u8]) -> bool {
     words(text).any(|byte| matches!(byte, b'x' | b'z' | b'u' | b'w'))
+}
+
+/// Whether a line has a letter.
+fn has_word(text: &[u8], letter: u8) -> bool {
+    words(text).any(|byte| byte == letter)
 }
 
 fn mixed(code: G, first: G, span: Span) -> Box<Problem> {

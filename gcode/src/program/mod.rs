@@ -162,6 +162,9 @@ impl Program {
         let mut out = Output::new(sink, place, &mut self.problems, &mut self.waiting);
         if self.stage == Stage::Fresh {
             self.stage = Stage::Running;
+            if let Some(last) = self.reader.files().get(0).and_then(Source::leader) {
+                out.warn(left_out(last));
+            }
             execute::start(&self.state, &mut out)?;
             if let Some(startup) = self.startup.take() {
                 startup.run(&mut self.state, &mut out)?;
@@ -232,7 +235,10 @@ fn open(path: &Path, options: &Options) -> io::Result<Files> {
     Ok(files(source, path.parent(), options))
 }
 
-fn files(source: Source, folder: Option<&Path>, options: &Options) -> Files {
+fn files(mut source: Source, folder: Option<&Path>, options: &Options) -> Files {
+    if options.dialect == Dialect::Linuxcnc {
+        source.keep_leader();
+    }
     let folders = folder.map(Path::to_owned).into_iter().chain(options.subroutine_folders.iter().cloned());
     Files::new(source, folders.collect(), options.limits.subroutine_bytes, options.limits.line_length)
 }
@@ -242,6 +248,13 @@ fn of_job(options: &Options) -> Options {
     let mut options = Options { dialect: Dialect::Linuxcnc, ..options.clone() };
     options.limits.line_length = job::LONGEST;
     options
+}
+
+/// Text above the first % was passed over.
+fn left_out(last: u32) -> Box<Problem> {
+    let message = format!("what stands above the first % is no part of the program: lines 1 to {last} are left out");
+    let help = "controls read nothing before it; put it below, in parentheses, to have it shown";
+    Problem::warning("no-effect", Blame::Line(1), message, help)
 }
 
 /// The program has led nowhere for too long.

@@ -22,6 +22,10 @@ impl Stay {
     /// Takes a line that was executed.
     pub(crate) fn line(&mut self, place: Place) {
         self.lines += 1;
+        if self.lines.is_power_of_two() {
+            // What led into the loop is none of its lines.
+            self.of = None;
+        }
         self.of = match self.of {
             Some((file, first, last)) if file == place.file => {
                 Some((file, first.min(place.line), last.max(place.line)))

@@ -4,17 +4,18 @@
 //! and a way back to any of them. A file is never in memory as a whole: one buffer moves over it, and a jump
 //! within the buffer costs no system call. What cannot seek is spooled to an unnamed temporary file first.
 //! If the first line that is not blank holds a `%` alone, the program stands between it and the next such
-//! line. Bytes become UTF-8 here ([`super::encoding`]), UTF-16 at once and in memory: what comes after knows
+//! line; above the first one text may stand that is no block. Bytes become UTF-8 here ([`super::encoding`]), UTF-16 at once and in memory: what comes after knows
 //! no other text. Padding of tapes (NUL, DEL) and of DOS (Ctrl-Z) at the ends of a line is left out, with all
 //! returns.
 
-use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
 
 use super::encoding::{self, ByteOrder};
-use crate::problem::{Blame, Problem, Span};
+use super::ends::{line_end, too_long, unreadable};
+use super::{spool, tape};
+use crate::problem::Problem;
 
 /// Bytes that are read at once.
 const BUFFER: usize = 1 << 16;
@@ -76,6 +77,8 @@ pub(crate) struct Source {
     /// Its second % was met.
     closed: bool,
     beginning: Mark,
+    /// The last line of the text above the first %; 0 without one.
+    leader: u32,
     /// Two lines that were taken not long ago, [`FAR`] lines apart: a text that is asked for again is near.
     recent: [Mark; 2],
 }
@@ -100,7 +103,7 @@ impl Source {
     /// # Errors
     /// The input cannot be read, or the temporary file cannot be made or written.
     pub(crate) fn from_reader(name: &str, mut reader: impl Read, longest: usize) -> io::Result<Source> {
-        let mut file = unnamed_file()?;
+        let mut file = spool::unnamed_file()?;
         io::copy(&mut reader, &mut file)?;
         file.flush()?;
         file.rewind()?;
@@ -124,6 +127,7 @@ impl Source {
             tape: false,
             closed: false,
             beginning: Mark::default(),
+            leader: 0,
             recent: [Mark::default(); 2],
         };
         if source.begin().and_then(|()| source.find_tape()).is_err() {
@@ -157,20 +161,51 @@ impl Source {
         self.go(self.beginning)
     }
 
-    /// Looks for the `%` that may come first, and stands after it or at the beginning.
+    /// Looks for the `%` that may come first, or behind text, and stands after it or at the beginning.
     fn find_tape(&mut self) -> io::Result<()> {
+        let mut last = 0;
         while let Some(line) = self.raw_line()? {
             let text = self.bytes(&line).trim_ascii();
-            if text.is_empty() {
-                continue;
-            }
             if text == b"%" {
-                self.tape = true;
-                self.beginning = self.mark();
+                let beginning = self.mark();
+                if last == 0 || self.goes_on()? {
+                    (self.tape, self.beginning, self.leader) = (true, beginning, last);
+                }
+                break;
             }
-            break;
+            if !text.is_empty() {
+                last = line.number();
+            }
+            if !text.is_empty() && !tape::is_text(text) || line.number() > tape::LONGEST {
+                break;
+            }
         }
         self.go(self.beginning)
+    }
+
+    /// Whether anything but blanks follows.
+    fn goes_on(&mut self) -> io::Result<bool> {
+        while let Some(line) = self.raw_line()? {
+            if !self.bytes(&line).trim_ascii().is_empty() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Reads the text above the first `%`, if there is any, as LinuxCNC does: that `%` begins nothing.
+    pub(crate) fn keep_leader(&mut self) {
+        if std::mem::take(&mut self.leader) > 0 {
+            self.tape = false;
+            self.beginning = Mark { offset: self.first, lines: 0 };
+            // What cannot be read is reported when the first line is taken.
+            let _ = self.go(self.beginning);
+        }
+    }
+
+    /// The last line of a text that stands above the first `%` and is no part of the program.
+    pub(crate) fn leader(&self) -> Option<u32> {
+        (self.leader > 0).then_some(self.leader)
     }
 
     /// Name of the file.
@@ -259,12 +294,15 @@ impl Source {
         }
     }
 
-    /// All lines of a text as they are read, each with a line feed at its end.
+    /// All lines of a text as they are read, each with a line feed at its end; those above the first % blank.
     pub(crate) fn whole(text: &[u8]) -> String {
         let mut source = Source::from_text("", text.to_vec(), text.len());
         let (mut whole, begun) = (String::new(), source.go(Mark::default()));
         while let (Ok(()), Ok(Some(line))) = (&begun, source.raw_line()) {
-            whole = whole + &encoding::printable(source.bytes(&line)) + "\n";
+            if line.number() > source.leader {
+                whole += &encoding::printable(source.bytes(&line));
+            }
+            whole.push('\n');
         }
         whole
     }
@@ -352,48 +390,4 @@ impl Source {
         self.filled += read;
         Ok(read)
     }
-}
-
-/// Place of the first byte `ends`: eight bytes at a time, a byte of `word` is zero where there is one.
-fn line_end(text: &[u8], ends: u8) -> Option<usize> {
-    const ONES: u64 = 0x0101_0101_0101_0101;
-    let (chunks, rest) = text.as_chunks::<8>();
-    for (index, chunk) in chunks.iter().enumerate() {
-        let word = u64::from_le_bytes(*chunk) ^ (ONES * u64::from(ends));
-        let zero = word.wrapping_sub(ONES) & !word & (ONES << 7);
-        if zero != 0 {
-            return Some(8 * index + zero.trailing_zeros() as usize / 8);
-        }
-    }
-    let searched = text.len() - rest.len();
-    rest.iter().position(|byte| *byte == ends).map(|at| searched + at)
-}
-
-/// A file that is gone when it is closed.
-fn unnamed_file() -> io::Result<File> {
-    let folder = std::env::temp_dir();
-    for attempt in 0..1000 {
-        let path = folder.join(format!("pitchlock-{}-{attempt}.ngc", std::process::id()));
-        match File::options().read(true).write(true).create_new(true).open(&path) {
-            Ok(file) => {
-                std::fs::remove_file(&path)?;
-                return Ok(file);
-            }
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("no free name in {}", folder.display())))
-}
-
-fn too_long(number: u32, longest: usize) -> Box<Problem> {
-    let message = format!("line {number} has more than {longest} bytes, the limit line_length");
-    let start = longest as u32;
-    let blame = Blame::Span(Span { start, end: start + 1 });
-    Problem::error("line-too-long", blame, message, "divide it into several lines")
-}
-
-fn unreadable(number: u32, error: &io::Error) -> Box<Problem> {
-    let help = "copy the program to a disk that can be read";
-    Problem::error("unreadable", Blame::Line(number), format!("the file cannot be read here: {error}"), help)
 }

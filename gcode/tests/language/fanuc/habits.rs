@@ -121,3 +121,29 @@ fn the_sign_of_the_tape_may_stand_in_front_of_the_number() {
     assert_eq!(found.sink.moves, ["G0 20 2"]);
     assert_eq!(outcome("G00 X40. Z2.\n%O1200\nM30\n").errors.len(), 1, "and nowhere else");
 }
+
+/// `;` ends a block; other controls have remarks behind it.
+#[test]
+fn text_behind_a_semicolon_is_a_remark_and_a_block_is_not() {
+    let found = outcome("; Written by hand\nG00 X40. Z2.; first\nX30.; (and back)\nM30\n");
+    assert!(found.errors.is_empty(), "{:?}", found.errors);
+    assert_eq!(found.sink.moves, ["G0 20 2", "G0 15 2"]);
+    assert_eq!(found.warnings.iter().map(|one| (one.line, one.code)).collect::<Vec<_>>(), [(1, "no-effect"), (2, "no-effect"), (3, "no-effect")]);
+    for block in ["G00 X40.; G00 X30.", "G00 X40.;X30.", "G00 X40.; GOTO 10", "G00 X40.; #1=2", "; N10"] {
+        assert_eq!(errors(block), [(1, "bad-character")], "{block}");
+    }
+}
+
+/// Controls read nothing above the first %.
+#[test]
+fn text_above_the_first_percent_is_left_out_with_a_warning() {
+    let found = outcome("PROGRAM SHAFT\nDRAWING 44, 12.03.2026\n\n%\nO1000\nG00 X40. Z2.\nM30\n%\nG00 X0.\n");
+    assert!(found.errors.is_empty(), "{:?}", found.errors);
+    assert_eq!(found.sink.moves, ["G0 20 2"]);
+    let [warning] = &found.warnings[..] else { panic!("{:?}", found.warnings) };
+    assert_eq!((warning.line, warning.code), (1, "no-effect"));
+    assert!(warning.message.contains("lines 1 to 2"), "{}", warning.message);
+    // What may be a block is not left out, and the % that ends a program begins none.
+    assert_eq!(errors("G00 X50.\n%\nG00 X40. Z2.")[0], (2, "bad-character"));
+    assert_eq!(outcome("(SHAFT)\nO1000\nG00 X40. Z2.\nM30\n%\n").sink.moves, ["G0 20 2"]);
+}

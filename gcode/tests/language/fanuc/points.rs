@@ -44,6 +44,18 @@ fn a_coordinate_that_lost_its_point_is_refused() {
     }
 }
 
+/// What is refused for its point is read as it is written: nothing else is found wrong for it.
+#[test]
+fn coordinates_without_points_make_no_errors_behind_them() {
+    let found = outcome(
+        "G50 X100. Z100\nM03 S600\nG00 X42 Z2\nG71 U1.5 R1\nG71 P60 Q90 U0.5 W0.1 F0.2\nN60 G00 X20\n\
+         G01 Z-15\nX30 Z-25\nN90 X42\nG70 P60 Q90\nG00 X22 Z3\nG92 X19.2 Z-12 F1.5\nX18.6\nG00 X100 Z100\nM30\n",
+    );
+    assert!(found.errors.len() > 3, "{:?}", found.errors);
+    assert!(found.errors.iter().all(|one| one.code == "no-decimal-point"), "{:?}", found.errors);
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+}
+
 #[test]
 fn what_means_the_same_in_both_readings_is_not_asked() {
     let text = "G00 X42. Z0\nU0 W-1.\nG04 P500\nG04 X1\nG76 P021060 Q50 R30\nG76 X37.546 Z-20. P1227 Q350 F2.\n\

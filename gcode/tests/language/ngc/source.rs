@@ -21,6 +21,7 @@ fn only_what_stands_between_percent_signs_is_the_program() {
     assert_eq!(said(&outcome), 1);
     assert!(outcome.sink.calls.contains(&"Finish".to_owned()));
     assert_eq!(errors("(msg,a)\n%\nM2\n"), [(2, "bad-character")], "a % that comes later is no end");
+    assert_eq!(errors("A SHAFT\n%\nM2\n%\n").len(), 2, "nor does it begin one");
 }
 
 #[test]
