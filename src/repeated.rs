@@ -41,18 +41,20 @@ fn cause(one: &Diagnostic) -> Option<Cause> {
     Some((one.file.clone(), one.code, is_warning, text))
 }
 
-/// A text without its figures. What names something stays: `H1`, `#500`, `line 4`.
+/// Units of the figures that a finding gives.
+const UNITS: [&str; 8] = ["mm", "inch", "s", "mm/min", "inch/min", "1/min", "degrees", "%"];
+
+/// A text without what it measures, which differs from place to place. What names something stays: `H1`,
+/// `offset 2`, `line 4`.
 fn without_figures(text: &str) -> String {
-    let named = |word: &str| word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '#');
-    let mut kept = String::with_capacity(text.len());
-    for word in text.split_inclusive(' ') {
-        let behind_line = kept.ends_with("line ");
-        match word.contains(|c: char| c.is_ascii_digit()) && !named(word) && !behind_line {
-            true => kept.extend(word.chars().filter(|c| !c.is_ascii_digit() && !matches!(c, '.' | '-'))),
-            false => kept.push_str(word),
-        }
-    }
-    kept
+    let words: Vec<&str> = text.split(' ').collect();
+    let is_unit = |word: &&str| UNITS.contains(&word.trim_end_matches([',', ':', ';', '.']));
+    let measures = |(at, word): (usize, &&str)| {
+        let figure = word.trim_end_matches([',', ':', ';']);
+        figure.parse::<f64>().is_ok() && (figure.contains('.') || words.get(at + 1).is_some_and(is_unit))
+    };
+    let kept = words.iter().enumerate().filter(|at| !measures(*at)).map(|(_, word)| *word);
+    kept.collect::<Vec<_>>().join(" ")
 }
 
 /// Leaves the first of each.

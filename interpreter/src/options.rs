@@ -268,8 +268,30 @@ fn is_section(line: &str) -> bool {
     })
 }
 
-/// Refuses the language of another control.
+/// Whether a file is no text: of what is no padding of its lines more than one byte in twenty is a control
+/// character. UTF-16 says by its first two bytes that it is text.
+fn is_no_text(beginning: &[u8]) -> bool {
+    if beginning.starts_with(&[0xff, 0xfe]) || beginning.starts_with(&[0xfe, 0xff]) {
+        return false;
+    }
+    let padding = |byte: &u8| matches!(byte, 0 | 0x7f | 0x1a);
+    let (mut bytes, mut controls) = (0, 0);
+    for line in beginning.split(|byte| matches!(byte, b'\n' | b'\r')) {
+        let Some(first) = line.iter().position(|byte| !padding(byte)) else { continue };
+        let last = line.iter().rposition(|byte| !padding(byte)).unwrap_or(first);
+        let text = &line[first..=last];
+        bytes += text.len();
+        controls += text.iter().filter(|byte| byte.is_ascii_control() && **byte != b'\t').count();
+    }
+    20 * controls > bytes
+}
+
+/// Refuses the language of another control, and what is no text.
 fn no_foreign(path: &Path, beginning: &[u8]) -> Result<(), OpenError> {
+    if is_no_text(beginning) {
+        let reason = "is not text: save it as UTF-8, Latin-1, or UTF-16 with its byte order mark".to_owned();
+        return Err(OpenError::Other { path: path.to_owned(), reason });
+    }
     let Some(control) = gcode::foreign(beginning) else { return Ok(()) };
     let reason = format!(
         "is a program of {control}, a language that is not read here: have it posted for FANUC or LinuxCNC"

@@ -50,6 +50,23 @@ fn a_program_of_another_control_is_refused_once_by_its_name() {
     }
 }
 
+/// A drawing, or UTF-16 that does not say so.
+#[test]
+fn what_is_no_text_is_refused_once() {
+    let place = Place::new();
+    let wide: Vec<u8> = "O1000\nG00 X40. Z2.\nM30\n".bytes().flat_map(|byte| [0, byte]).collect();
+    let noise: Vec<u8> = (0..3000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    for (name, bytes) in [("wide.nc", wide), ("noise.nc", noise)] {
+        std::fs::write(place.at(name), bytes).expect("room");
+        let answer = place.ask(&["check", name]);
+        assert_eq!((answer.status, answer.stderr.lines().count()), (Some(2), 1), "{}", answer.stderr);
+        assert!(answer.stderr.contains("is not text"), "{}", answer.stderr);
+    }
+    let tape = [&[0; 40][..], b"%\nO1\nG00 X40. Z2.\0\0\nM30\n%\n", &[0; 40]].concat();
+    std::fs::write(place.at("tape.nc"), tape).expect("room");
+    assert_eq!(place.ask(&["check", "tape.nc"]).status, Some(0));
+}
+
 /// G95 that was forgotten is one slip, not one in every line.
 #[test]
 fn feeds_of_the_other_mode_are_told_once_for_each_mode() {
@@ -143,6 +160,25 @@ fn what_follows_from_one_cause_is_told_once_with_its_count() {
         answer.stderr
     );
     assert!(answer.stderr.contains("off the circle (and again in line 8)"), "{}", answer.stderr);
+    // Warnings of every kind, whatever figures they give; what has another name is another one.
+    place.write("c.nc", "O1\nG97 S2500 M03\nG00 X32. Z8.\nG92 X29.5 Z-20. F3.\nX29.\nX28.\nM30\n");
+    let answer = place.ask(&["check", "c.nc"]);
+    for code in ["steep-chamfer", "mostly-shallow"] {
+        assert_eq!(answer.stderr.matches(code).count(), 1, "{}", answer.stderr);
+    }
+    assert_eq!(answer.stderr.matches("(and 2 times more, up to line 6)").count(), 2, "{}", answer.stderr);
+    place.write("d.ngc", "G7\nS400 M3\nG0 X40 Z2\nG33 Z-5 K1\nG0 X44 Z2\nG0 X39\nG33 Z-5 K1\nG0 X44 Z2\nM2\n");
+    let answer = place.ask(&["check", "d.ngc"]);
+    assert!(answer.stderr.contains("no-retract") && answer.stderr.contains("(and again in line 7)"), "{}", answer.stderr);
+    place.write("e.nc", "O1\nT0102\nT0203\nG00 X40. Z2.\nM30\n");
+    place.write("tools.tbl", "T1 P1\n");
+    let answer = place.ask(&["check", "e.nc", "--tools", "tools.tbl"]);
+    assert_eq!(answer.stderr.matches("is not in the tool table").count(), 2, "{}", answer.stderr);
+    let gsk = "O1\nM03 S600\nG00 X42. Z2\nG71 U1.5 R1\nG71 P1 Q2 U0.5 F0.2\nN1 G00 X20\nN2 Z-15\nM30\n";
+    place.write("f.nc", gsk);
+    let answer = place.ask(&["check", "f.nc"]);
+    assert!(answer.stdout.starts_with("1 error, "), "{}{}", answer.stdout, answer.stderr);
+    assert!(answer.stderr.contains("others of the program have one (and 2 times more, up to line 7)"), "{}", answer.stderr);
     let thread = "G76 P010060 Q20 R0.02\nG76 X20. Z-20. P900 Q200 F2.\nG92 X21. Z-20. F2.\nX20.8\nX20.6\n";
     place.write("b.nc", format!("%\nO1\nG50 S2000\nG96 S60 M03\nG00 X24. Z8.\n{thread}M30\n"));
     let answer = place.ask(&["check", "b.nc"]);

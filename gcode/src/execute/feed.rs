@@ -28,12 +28,18 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
             _ => Ok(()),
         },
         _ if state.modes.feed == 0.0 => {
-            let message = "there is no feed for a move that cuts";
-            let help = "program F in this block or an earlier one; G94 and G95 forget the F before them";
-            Err(Problem::error("no-feed", Blame::Block, message, help))
+            let [minute, turn] = state.settings.feed_codes;
+            let (blame, message) = match block.has('F') {
+                true => (Blame::Word('F'), "F is 0: the move would not end"),
+                false => (Blame::Block, "there is no feed for a move that cuts"),
+            };
+            let help =
+                format!("program F in this block or an earlier one; {minute} and {turn} forget the F before them");
+            Err(Problem::error("no-feed", blame, message, help))
         }
         FeedMode::PerRevolution if state.spindle.speed == 0.0 => {
-            let message = "G95 feeds per revolution, and the spindle has no speed";
+            let [_, code] = state.settings.feed_codes;
+            let message = format!("{code} feeds per revolution, and the spindle has no speed");
             Err(Problem::error("no-spindle-speed", Blame::Block, message, "program S with M3 or M4 first"))
         }
         _ => Ok(()),

@@ -74,7 +74,8 @@ fn begin(turn: Turn, code: M, state: &mut State, out: &mut Output) -> Done {
 pub(super) fn must_turn(code: G, state: &mut State, out: &mut Output) {
     let standing = state.spindle.turning.is_none();
     if standing && !state.spindle.standing_feed {
-        let message = format!("{code} feeds per revolution (G95), and the spindle does not turn");
+        let [_, mode] = state.settings.feed_codes;
+        let message = format!("{code} feeds per revolution ({mode}), and the spindle does not turn");
         out.warn(Problem::warning(
             "spindle-not-turning",
             Blame::Block,

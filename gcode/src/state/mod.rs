@@ -41,8 +41,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::canon::{Call, FeedMode, Pose, Turn};
+use crate::codes::G;
 use crate::files::ToolTable;
-use crate::options::{MachineCode, Options};
+use crate::options::{Dialect, MachineCode, Options};
 use crate::problem::{Problem, Span};
 
 /// See [`State::assume`].
@@ -95,6 +96,8 @@ pub(crate) struct Settings {
     pub(crate) orient_offset: f64,
     /// Moves that a block may make, see [`crate::Limits::moves_of_block`].
     pub(crate) moves_of_block: u64,
+    /// Codes of the feed per minute and per revolution, as the dialect has them.
+    pub(crate) feed_codes: [G; 2],
 }
 
 /// How far the program has come.
@@ -164,6 +167,10 @@ impl State {
                 no_fanuc_subs: options.no_fanuc_subs,
                 orient_offset: options.orient_offset,
                 moves_of_block: options.limits.moves_of_block,
+                feed_codes: match options.dialect {
+                    Dialect::Fanuc => [G(980), G(990)],
+                    Dialect::Linuxcnc | Dialect::FanucMill => [G(940), G(950)],
+                },
             },
             machine_codes: Arc::clone(&options.machine_codes),
             units: Scale::new(options.machine_units, options.units, options.stand_alone),

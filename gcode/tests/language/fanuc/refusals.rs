@@ -30,6 +30,8 @@ fn the_feed_of_a_refused_block_counts_for_those_after_it() {
 
 #[test]
 fn a_missing_feed_is_missed_once() {
+    let zero = outcome("S500 M03\nG00 X44. Z3.\nG01 X40. F0.\nM30\n").errors;
+    assert!(zero[0].message.contains("F is 0") && zero[0].help.contains("G98 and G99"), "{zero:?}");
     assert_eq!(errors("S500 M03\nG00 X44. Z3.\nG01 X40.\nZ-5.\nX44."), [(3, "no-feed")]);
 }
 
