@@ -4,10 +4,10 @@
 use protocol::{Code, Set, Until};
 use serde::{Deserialize, Serialize};
 
-use crate::{Machine, MachineError, ProgramDialect, SignalRefused, refuse};
+use crate::{Kinematics, Machine, MachineError, ProgramDialect, SignalRefused, refuse};
 
 /// Codes that the control has for itself.
-const OWN: [u16; 14] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 19, 30, 98, 99];
+const OWN: [u16; 13] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 30, 98, 99];
 /// Longest wait for an input, s.
 pub(crate) const LONGEST_WAIT_S: f64 = 86_400.0;
 /// Highest number of an M code.
@@ -160,8 +160,9 @@ pub(crate) fn number(key: &str) -> Option<u16> {
 /// The dialect that has a code for itself, if the machine reads no other.
 fn taken(code: u16, machine: &Machine) -> Option<&'static str> {
     match (machine.general.dialect, code) {
-        (ProgramDialect::Linuxcnc, 48..=53 | 60..=68 | 70..=73) => Some("LinuxCNC"),
+        (ProgramDialect::Linuxcnc, 19 | 48..=53 | 60..=68 | 70..=73) => Some("LinuxCNC"),
         (ProgramDialect::Fanuc, 97) => Some("FANUC"),
+        (ProgramDialect::Fanuc, 19) if machine.general.kinematics == Kinematics::Mill => Some("FANUC"),
         _ => None,
     }
 }
@@ -175,7 +176,7 @@ pub(crate) fn check(machine: &Machine) -> Result<(), MachineError> {
             "m_codes",
             key,
             "a code is declared by its number, 10 to 999, as in 31 = \"ignore\"; what the control has for itself, \
-             such as M3, M8, M19, M30, cannot be declared",
+             such as M3, M8, M30, cannot be declared",
         ));
     }
     if let Some((key, dialect)) = codes.keys().find_map(|key| Some((key, taken(number(key)?, machine)?))) {

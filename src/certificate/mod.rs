@@ -119,8 +119,8 @@ pub(crate) fn certify(
         remarks.push("no torque of a tap: the simulated machine has none".into());
     }
     if !passes.is_empty() && passes.iter().all(|row| row.force_n.is_none()) {
-        let text = "no forces: the tool cuts air (plant.cutting.specific_force_n_mm2 is about 2000 for steel), or a G33 does \
-                    not tell its depth";
+        let text = "no forces: the tool cuts air (plant.cutting.specific_force_n_mm2 is about 2000 for steel), or the \
+                    program does not tell the depth of a single pass (G33, or G32 and G92 of FANUC)";
         remarks.push(text.into());
     }
     for row in &passes {

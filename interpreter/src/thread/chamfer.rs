@@ -31,12 +31,19 @@ pub(crate) fn plans(
     cuts.iter_mut().for_each(|cut| cut.exit = None);
     let plans = all(cuts).map_err(|why| why.problem(cuts, cycle.units, machine))?;
     let ways = cuts.iter().zip(&plans).map(|(cut, plan)| (cut.to_mm - plan.full_depth_mm[1]).abs());
-    let message = format!(
-        "X cannot leave within the chamfer of {}: it leaves as steeply as it can, over {}",
-        cycle.units.length(cycle.words.chamfer * cycle.units.mm()),
-        cycle.units.length(ways.fold(0.0, f64::max))
-    );
-    let slower = refused.map(|rpm| format!(", or lower S: S{} is slow enough", short(rpm)));
-    let help = format!("ask for a longer chamfer{}", slower.unwrap_or_default());
+    let (chamfer, way) = (cycle.words.chamfer * cycle.units.mm(), ways.fold(0.0, f64::max));
+    let (length, over) = (cycle.units.length(chamfer), cycle.units.length(way));
+    let (message, help) = match way > chamfer {
+        true => (
+            format!("X cannot leave within the chamfer of {length}: it leaves as steeply as it can, over {over}"),
+            "ask for a longer chamfer, or lower S",
+        ),
+        false => (
+            format!("X cannot rise along the chamfer of {length}: it leaves within it by a curve, over {over}"),
+            "to have the line of the chamfer, lower S",
+        ),
+    };
+    let slower = refused.map(|rpm| format!(": S{} is slow enough", short(rpm)));
+    let help = help.to_owned() + &slower.unwrap_or_default();
     Ok((plans, Some(*Problem::warning("steep-chamfer", Blame::Line(line), message, help))))
 }

@@ -67,11 +67,11 @@ fn a_code_that_can_never_act_is_refused() {
         let machine = PLAIN_LATHE.replace("dialect = \"auto\"", &format!("dialect = \"{dialect}\""));
         format!("{machine}\n[m_codes]\n{code} = \"ignore\"\n")
     };
-    for (dialect, code) in [("linuxcnc", 68), ("linuxcnc", 70), ("fanuc", 97)] {
+    for (dialect, code) in [("linuxcnc", 19), ("linuxcnc", 68), ("linuxcnc", 70), ("fanuc", 97)] {
         let said = refused(&file(dialect, code));
         assert!(said.starts_with(&format!("m_codes = {code}: it would never act")), "{said}");
     }
-    for (dialect, code) in [("fanuc", 68), ("auto", 68), ("linuxcnc", 97), ("linuxcnc", 69)] {
+    for (dialect, code) in [("fanuc", 19), ("auto", 19), ("fanuc", 68), ("auto", 68), ("linuxcnc", 97), ("linuxcnc", 69)] {
         assert!(Machine::from_toml(&file(dialect, code)).is_ok(), "{dialect} M{code}");
     }
 }
