@@ -134,13 +134,13 @@ impl Modal {
     /// A feed in mm or degrees.
     fn checked_feed(&self, feed: f64, spindle: &Spindle) -> Result<Feed, Box<Problem>> {
         if feed <= 0.0 {
-            let help = "add an F word to this block or one before; G94 and G95 each need their own";
+            let help = "add an F word to this block or one before; each way to feed needs its own";
             return Err(Problem::error("no-feed", Blame::Block, "the move has no feed", help));
         }
         match self.feed_mode {
             FeedMode::PerRevolution if !spindle.turns() => {
                 let message = "feed per revolution (G95) with a spindle that does not turn";
-                let help = "start it before, as in S600 M3, or use G94";
+                let help = "start it before, as in S600 M3, or feed per minute";
                 Err(Problem::error("spindle-not-turning", Blame::Block, message, help))
             }
             _ if feed * spindle.turns_in_feed(self.feed_mode) < LEAST_FEED => {

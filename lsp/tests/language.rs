@@ -122,7 +122,10 @@ fn every_code_is_explained() {
             assert!(said(&m.to_string(), 1, Dialect::Linuxcnc).starts_with(&format!("**{m}**")), "{m}");
         }
     }
-    assert!(said("G01 X1.", 1, Dialect::Fanuc).contains("line") && !said("G01 X1.", 1, Dialect::Fanuc).contains("rapid"));
+    assert!(
+        said("G01 X1.", 1, Dialect::Fanuc).contains("line")
+            && !said("G01 X1.", 1, Dialect::Fanuc).contains("rapid")
+    );
     assert!(said("G31", 1, Dialect::Fanuc).contains("measure before"));
     assert!(said("M03", 1, Dialect::Fanuc).contains("spindle clockwise"));
 }

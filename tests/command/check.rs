@@ -167,9 +167,14 @@ fn what_follows_from_one_cause_is_told_once_with_its_count() {
         assert_eq!(answer.stderr.matches(code).count(), 1, "{}", answer.stderr);
     }
     assert_eq!(answer.stderr.matches("(and 2 times more, up to line 6)").count(), 2, "{}", answer.stderr);
-    place.write("d.ngc", "G7\nS400 M3\nG0 X40 Z2\nG33 Z-5 K1\nG0 X44 Z2\nG0 X39\nG33 Z-5 K1\nG0 X44 Z2\nM2\n");
+    place
+        .write("d.ngc", "G7\nS400 M3\nG0 X40 Z2\nG33 Z-5 K1\nG0 X44 Z2\nG0 X39\nG33 Z-5 K1\nG0 X44 Z2\nM2\n");
     let answer = place.ask(&["check", "d.ngc"]);
-    assert!(answer.stderr.contains("no-retract") && answer.stderr.contains("(and again in line 7)"), "{}", answer.stderr);
+    assert!(
+        answer.stderr.contains("no-retract") && answer.stderr.contains("(and again in line 7)"),
+        "{}",
+        answer.stderr
+    );
     place.write("e.nc", "O1\nT0102\nT0203\nG00 X40. Z2.\nM30\n");
     place.write("tools.tbl", "T1 P1\n");
     let answer = place.ask(&["check", "e.nc", "--tools", "tools.tbl"]);
@@ -178,7 +183,11 @@ fn what_follows_from_one_cause_is_told_once_with_its_count() {
     place.write("f.nc", gsk);
     let answer = place.ask(&["check", "f.nc"]);
     assert!(answer.stdout.starts_with("1 error, "), "{}{}", answer.stdout, answer.stderr);
-    assert!(answer.stderr.contains("others of the program have one (and 2 times more, up to line 7)"), "{}", answer.stderr);
+    assert!(
+        answer.stderr.contains("others of the program have one (and 2 times more, up to line 7)"),
+        "{}",
+        answer.stderr
+    );
     let thread = "G76 P010060 Q20 R0.02\nG76 X20. Z-20. P900 Q200 F2.\nG92 X21. Z-20. F2.\nX20.8\nX20.6\n";
     place.write("b.nc", format!("%\nO1\nG50 S2000\nG96 S60 M03\nG00 X24. Z8.\n{thread}M30\n"));
     let answer = place.ask(&["check", "b.nc"]);

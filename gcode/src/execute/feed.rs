@@ -33,8 +33,9 @@ pub(super) fn ready(block: &Block, state: &State) -> Done {
                 true => (Blame::Word('F'), "F is 0: the move would not end"),
                 false => (Blame::Block, "there is no feed for a move that cuts"),
             };
-            let help =
-                format!("program F in this block or an earlier one; {minute} and {turn} forget the F before them");
+            let help = format!(
+                "program F in this block or an earlier one; {minute} and {turn} forget the F before them"
+            );
             Err(Problem::error("no-feed", blame, message, help))
         }
         FeedMode::PerRevolution if state.spindle.speed == 0.0 => {

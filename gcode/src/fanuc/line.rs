@@ -194,6 +194,11 @@ impl Line {
         if self.mill { Ok(Some(code)) } else { self.system.read(code, text, span) }
     }
 
+    /// Whether the program is known to be one of G-code system B.
+    pub(super) fn is_system_b(&self) -> bool {
+        self.system == System::B
+    }
+
     /// Adds the word of a letter.
     ///
     /// # Errors

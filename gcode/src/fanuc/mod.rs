@@ -65,12 +65,12 @@ use execution::Execution;
 use expression::Values;
 use flow::Flow;
 pub use flow::program_files;
-pub use system::{in_system_a, is_system_b};
 use line::{Line, Statement};
 use modal::Modal;
 use points::Points;
 use reading::Reading;
 use simulator::Simulator;
+pub use system::{in_system_a, is_system_b};
 use variables::Variables;
 
 /// A FANUC program that is being run.

@@ -79,6 +79,44 @@ pub fn in_system_a(code: G) -> Option<G> {
     })
 }
 
+/// Codes of system A as messages name them, and what they are in system B.
+const NAMES: [(&str, &str); 7] = [
+    ("G32", "G33"),
+    ("G50", "G92"),
+    ("G90", "G77"),
+    ("G92", "G78"),
+    ("G94", "G79"),
+    ("G98", "G94"),
+    ("G99", "G95"),
+];
+
+impl super::Control {
+    /// A message in the words of the program: one of system B has other names for some codes.
+    pub(crate) fn in_its_words(&self, text: String) -> String {
+        // What tells of the systems or of both dialects has the names of each.
+        match self.line.is_system_b() && !text.contains("system B") && !text.contains("FANUC") {
+            true => in_system_b(&text),
+            false => text,
+        }
+    }
+}
+
+fn in_system_b(text: &str) -> String {
+    let mut named = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find('G') {
+        let (before, code) = rest.split_at(at);
+        named.push_str(before);
+        let end = 1 + code[1..].find(|c: char| !c.is_ascii_digit()).unwrap_or(code.len() - 1);
+        let is_whole =
+            !code[end..].starts_with('.') || !code[end + 1..].starts_with(|c: char| c.is_ascii_digit());
+        let other = NAMES.iter().find(|(name, _)| is_whole && *name == &code[..end]);
+        named.push_str(other.map_or(&code[..end], |(_, name)| name));
+        rest = &code[end..];
+    }
+    named + rest
+}
+
 /// Whether the codes of a lathe program tell that it is one of system B.
 #[must_use]
 pub fn is_system_b<'a>(lines: impl Iterator<Item = &'a str>) -> bool {
@@ -163,4 +201,16 @@ fn refused(code: G, span: Span) -> Box<Problem> {
         ),
     };
     Problem::error("not-available", Blame::Span(span), message, help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_system_b;
+
+    #[test]
+    fn messages_name_the_codes_of_the_program() {
+        assert_eq!(in_system_b("G32 does not use K, G99."), "G33 does not use K, G95.");
+        assert_eq!(in_system_b("G33.1 G1 G92.1 G9 G"), "G33.1 G1 G92.1 G9 G");
+        assert_eq!(in_system_b("G98 and G94, G90"), "G94 and G79, G77");
+    }
 }

@@ -77,7 +77,11 @@ impl Findings {
 
 /// Puts a problem at its place, and tells the number of the file. `refused`: the call that the sink refused,
 /// which may be of an earlier line.
-pub(super) fn diagnostic(problem: Problem, refused: Option<Place>, reader: &mut Reader) -> (u16, Diagnostic) {
+pub(super) fn diagnostic(
+    mut problem: Problem,
+    refused: Option<Place>,
+    reader: &mut Reader,
+) -> (u16, Diagnostic) {
     let block = reader.block().place();
     let earlier = refused.filter(|place| (place.file, place.line) != (block.file, block.line));
     let (file, line) = match (problem.blame, earlier) {
@@ -90,6 +94,8 @@ pub(super) fn diagnostic(problem: Problem, refused: Option<Place>, reader: &mut 
         Some(source) => (Arc::clone(source.name()), source.text(line)),
         None => ("".into(), String::new()),
     };
+    problem.message = reader.in_its_words(problem.message);
+    problem.help = reader.in_its_words(problem.help);
     let whole = Span { start: 0, end: text.len() as u32 };
     let span = match problem.blame {
         Blame::Part(_, span) => Some(span),

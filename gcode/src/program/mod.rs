@@ -252,7 +252,8 @@ fn of_job(options: &Options) -> Options {
 
 /// Text above the first % was passed over.
 fn left_out(last: u32) -> Box<Problem> {
-    let message = format!("what stands above the first % is no part of the program: lines 1 to {last} are left out");
+    let message =
+        format!("what stands above the first % is no part of the program: lines 1 to {last} are left out");
     let help = "controls read nothing before it; put it below, in parentheses, to have it shown";
     Problem::warning("no-effect", Blame::Line(1), message, help)
 }

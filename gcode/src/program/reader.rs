@@ -88,6 +88,14 @@ impl Reader {
         }
     }
 
+    /// A message in the words of the program.
+    pub(super) fn in_its_words(&self, text: String) -> String {
+        match self {
+            Reader::Fanuc(reader) => reader.in_its_words(text),
+            Reader::Ngc(_) | Reader::Job(_) => text,
+        }
+    }
+
     /// The value of a common variable of FANUC: `None` if there is none of this number, `Some(None)` if it is
     /// vacant.
     pub(super) fn shared(&self, number: u32) -> Option<Option<f64>> {

@@ -35,11 +35,15 @@ pub(crate) fn plans(
     let (length, over) = (cycle.units.length(chamfer), cycle.units.length(way));
     let (message, help) = match way > chamfer {
         true => (
-            format!("X cannot leave within the chamfer of {length}: it leaves as steeply as it can, over {over}"),
+            format!(
+                "X cannot leave within the chamfer of {length}: it leaves as steeply as it can, over {over}"
+            ),
             "ask for a longer chamfer, or lower S",
         ),
         false => (
-            format!("X cannot rise along the chamfer of {length}: it leaves within it by a curve, over {over}"),
+            format!(
+                "X cannot rise along the chamfer of {length}: it leaves within it by a curve, over {over}"
+            ),
             "to have the line of the chamfer, lower S",
         ),
     };

@@ -71,7 +71,9 @@ fn a_code_that_can_never_act_is_refused() {
         let said = refused(&file(dialect, code));
         assert!(said.starts_with(&format!("m_codes = {code}: it would never act")), "{said}");
     }
-    for (dialect, code) in [("fanuc", 19), ("auto", 19), ("fanuc", 68), ("auto", 68), ("linuxcnc", 97), ("linuxcnc", 69)] {
+    for (dialect, code) in
+        [("fanuc", 19), ("auto", 19), ("fanuc", 68), ("auto", 68), ("linuxcnc", 97), ("linuxcnc", 69)]
+    {
         assert!(Machine::from_toml(&file(dialect, code)).is_ok(), "{dialect} M{code}");
     }
 }

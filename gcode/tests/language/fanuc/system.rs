@@ -60,11 +60,17 @@ fn systems_that_are_mixed_and_what_is_incremental_are_refused_by_name() {
         ("S500 M03\nG00 X44. Z2.\nG90 X40. Z-10. F0.2\nG78 X30. Z-10. F1.5", 4, "G90 above"),
         ("S500 M03\nG00 X44. Z2.\nG90 X40. Z-10. F0.2\nG90 G00 X30.", 4, "exclude each other"),
         ("G95\nS500 M03\nG00 X44. Z2.\nG91 G00 X-4.", 4, "G91"),
+        // Messages have the words of the program.
+        ("G95 S500 M03\nG00 X44. Z2.\nG33 Z-10. K1.5 F1.5", 3, "G33 does not use K"),
         ("G95\nS500 M03\nG00 X0 Z2.\nG99 G83 Z-13. R2. F0.1", 4, "G99 of G-code system B"),
     ] {
         let outcome = outcome(text);
         let first = outcome.errors.first().expect(text);
-        let code = if reason.starts_with("exclude") { "modal-group" } else { "not-available" };
+        let code = match reason {
+            "exclude each other" => "modal-group",
+            "G33 does not use K" => "unused-word",
+            _ => "not-available",
+        };
         assert_eq!((first.line, first.code), (line, code), "{text}");
         assert!(first.message.contains(reason), "{text}: {}", first.message);
     }
