@@ -237,7 +237,7 @@ fn open(path: &Path, options: &Options) -> io::Result<Files> {
 
 fn files(mut source: Source, folder: Option<&Path>, options: &Options) -> Files {
     if options.dialect == Dialect::Linuxcnc {
-        source.keep_leader();
+        source.keep_leader(options.stand_alone);
     }
     let folders = folder.map(Path::to_owned).into_iter().chain(options.subroutine_folders.iter().cloned());
     Files::new(source, folders.collect(), options.limits.subroutine_bytes, options.limits.line_length)

@@ -77,8 +77,9 @@ pub(crate) struct Source {
     /// Its second % was met.
     closed: bool,
     beginning: Mark,
-    /// The last line of the text above the first %; 0 without one.
+    /// The last line of the text above the first %, 0 without one; and whether it is remarks alone.
     leader: u32,
+    remarks: bool,
     /// Two lines that were taken not long ago, [`FAR`] lines apart: a text that is asked for again is near.
     recent: [Mark; 2],
 }
@@ -128,6 +129,7 @@ impl Source {
             closed: false,
             beginning: Mark::default(),
             leader: 0,
+            remarks: true,
             recent: [Mark::default(); 2],
         };
         if source.begin().and_then(|()| source.find_tape()).is_err() {
@@ -173,11 +175,13 @@ impl Source {
                 }
                 break;
             }
-            if !text.is_empty() {
-                last = line.number();
-            }
-            if !text.is_empty() && !tape::is_text(text) || line.number() > tape::LONGEST {
+            let (is_blank, is_remark) = (text.is_empty(), tape::is_remark(text));
+            if !tape::is_text(text) || line.number() > tape::LONGEST {
                 break;
+            }
+            if !is_blank {
+                last = line.number();
+                self.remarks &= is_remark;
             }
         }
         self.go(self.beginning)
@@ -193,9 +197,10 @@ impl Source {
         Ok(false)
     }
 
-    /// Reads the text above the first `%`, if there is any, as LinuxCNC does: that `%` begins nothing.
-    pub(crate) fn keep_leader(&mut self) {
-        if std::mem::take(&mut self.leader) > 0 {
+    /// Reads what stands above the first `%` as LinuxCNC does: that `%` begins nothing. `all`: not only
+    /// remarks.
+    pub(crate) fn keep_leader(&mut self, all: bool) {
+        if (all || self.remarks) && std::mem::take(&mut self.leader) > 0 {
             self.tape = false;
             self.beginning = Mark { offset: self.first, lines: 0 };
             // What cannot be read is reported when the first line is taken.

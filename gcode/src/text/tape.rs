@@ -6,22 +6,28 @@ pub(super) const LONGEST: u32 = 100;
 
 /// Whether a line is text: outside of comments it has no letter, or two of them side by side, as no block has.
 pub(crate) fn is_text(line: &[u8]) -> bool {
-    let mut depth = 0_u32;
-    let outside: Vec<u8> = line
-        .iter()
-        .filter(|byte| {
-            match byte {
-                b'(' => depth += 1,
-                b')' => depth = depth.saturating_sub(1),
-                _ => return depth == 0,
-            }
-            false
-        })
-        .take_while(|byte| **byte != b';')
-        .copied()
-        .collect();
+    let outside: Vec<u8> = outside(line).collect();
     let letter = |byte: &u8| byte.is_ascii_alphabetic();
     !outside.iter().any(letter) || outside.windows(2).any(|pair| pair.iter().all(letter))
+}
+
+/// Whether it is a comment, or comments, and nothing else.
+pub(super) fn is_remark(line: &[u8]) -> bool {
+    outside(line).all(|byte| byte.is_ascii_whitespace())
+}
+
+/// What stands outside of comments.
+fn outside(line: &[u8]) -> impl Iterator<Item = u8> + '_ {
+    let mut depth = 0_u32;
+    let bytes = line.iter().filter(move |byte| {
+        match byte {
+            b'(' => depth += 1,
+            b')' => depth = depth.saturating_sub(1),
+            _ => return depth == 0,
+        }
+        false
+    });
+    bytes.take_while(|byte| **byte != b';').copied()
 }
 
 #[cfg(test)]

@@ -21,7 +21,20 @@ fn only_what_stands_between_percent_signs_is_the_program() {
     assert_eq!(said(&outcome), 1);
     assert!(outcome.sink.calls.contains(&"Finish".to_owned()));
     assert_eq!(errors("(msg,a)\n%\nM2\n"), [(2, "bad-character")], "a % that comes later is no end");
-    assert_eq!(errors("A SHAFT\n%\nM2\n%\n").len(), 2, "nor does it begin one");
+}
+
+/// LinuxCNC refuses such a program: its own interpreter in its place does, too.
+#[test]
+fn text_above_the_first_percent_is_left_out_with_a_warning() {
+    let text = "=====\nTestfile\n=====\n%\nG0 X1\nM2\n%\n";
+    let outcome = outcome(text);
+    assert!(outcome.errors.is_empty(), "{:?}", outcome.errors);
+    assert_eq!(
+        outcome.warnings.iter().map(|one| (one.line, one.code)).collect::<Vec<_>>(),
+        [(1, "no-effect")]
+    );
+    let options = Options { stand_alone: true, ..Options::default() };
+    assert!(run(Program::from_text("p", text, &options)).errors.len() > 1);
 }
 
 #[test]
