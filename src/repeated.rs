@@ -9,7 +9,8 @@ use interpreter::{Diagnostic, Severity};
 /// say of the first one is enough.
 const UNTIL_TOLD: [&str; 3] = ["spindle-not-turning", "constant-surface-thread", "unlikely-feed"];
 
-/// Errors by words and codes that a program writes again and again, and by what it asks for that is not there.
+/// Errors by words and codes that a program writes again and again, and by what it asks for that is not
+/// there.
 const BY_MESSAGE: [&str; 9] = [
     "bad-contour",
     "modal-group",

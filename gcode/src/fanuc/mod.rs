@@ -20,6 +20,7 @@
 //! point is taken as mm or inch, with a warning under
 //! G99: controls differ there.
 
+mod alone;
 mod block;
 mod calls;
 mod codes;
@@ -58,11 +59,11 @@ use crate::execute::{Done, Output, refused};
 use crate::options::{DecimalPoint, Dialect, Options, Skips};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
-use crate::text::{Cursor, Depth, Files};
+use crate::text::Files;
+pub(crate) use alone::{line_alone, value_alone};
 use calls::Behind;
 use codes::Deed;
 use execution::Execution;
-use expression::Values;
 use flow::Flow;
 pub use flow::program_files;
 use line::{Line, Statement};
@@ -93,35 +94,6 @@ pub(crate) struct Control {
     fresh: bool,
 }
 
-/// Reads one line at the start of a program, see [`crate::alone::line`].
-///
-/// # Errors
-/// What is wrong with it.
-pub(crate) fn line_alone(text: &[u8], state: &State, options: &Options) -> Result<Block, Box<Problem>> {
-    let (mut line, mut variables) = (
-        Line::new(options.decimal_point, options.dialect == Dialect::FanucMill),
-        Variables::new(&options.parameters),
-    );
-    let (skips, deepest) = (options.skips, options.limits.expression_depth);
-    let mut reading = Reading { text, variables: &mut variables, state, skips, deepest };
-    reading.statement(0, 1, &mut line)?;
-    Ok(line.block)
-}
-
-/// Computes one value, see [`crate::alone::value`].
-///
-/// # Errors
-/// It is missing, or cannot be computed.
-pub(crate) fn value_alone(
-    cursor: &mut Cursor,
-    state: &State,
-    options: &Options,
-) -> Result<Option<f64>, Box<Problem>> {
-    let variables = Variables::new(&options.parameters);
-    let deepest = options.limits.expression_depth;
-    Values { variables: &variables, state, depth: Depth::new(deepest) }.value(cursor)
-}
-
 impl Control {
     /// At the beginning of a program.
     pub(crate) fn new(files: Files, options: &Options) -> Control {
@@ -145,6 +117,11 @@ impl Control {
     /// The block that was read last, to find the place of a problem.
     pub(crate) fn block(&self) -> &Block {
         &self.line.block
+    }
+
+    /// A message in the words of the program: one of system B has other names for some codes.
+    pub(crate) fn in_its_words(&self, text: String) -> String {
+        if self.line.is_system_b() { system::in_its_words(text) } else { text }
     }
 
     /// The files of the program.

@@ -1,5 +1,5 @@
-//! What of a line is left out: `/` to `/9` with their switch on, remarks behind `;`, and what stands behind the
-//! end of a tape.
+//! What of a line is left out: `/` to `/9` with their switch on, remarks behind `;`, and what stands behind
+//! the end of a tape.
 
 use super::line::{Idle, Line};
 use crate::block::Block;

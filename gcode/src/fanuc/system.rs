@@ -90,15 +90,10 @@ const NAMES: [(&str, &str); 7] = [
     ("G99", "G95"),
 ];
 
-impl super::Control {
-    /// A message in the words of the program: one of system B has other names for some codes.
-    pub(crate) fn in_its_words(&self, text: String) -> String {
-        // What tells of the systems or of both dialects has the names of each.
-        match self.line.is_system_b() && !text.contains("system B") && !text.contains("FANUC") {
-            true => in_system_b(&text),
-            false => text,
-        }
-    }
+/// A message in the words of a program of system B.
+pub(super) fn in_its_words(text: String) -> String {
+    // What tells of the systems or of both dialects has the names of each.
+    if text.contains("system B") || text.contains("FANUC") { text } else { in_system_b(&text) }
 }
 
 fn in_system_b(text: &str) -> String {

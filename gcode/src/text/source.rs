@@ -4,9 +4,9 @@
 //! and a way back to any of them. A file is never in memory as a whole: one buffer moves over it, and a jump
 //! within the buffer costs no system call. What cannot seek is spooled to an unnamed temporary file first.
 //! If the first line that is not blank holds a `%` alone, the program stands between it and the next such
-//! line; above the first one text may stand that is no block. Bytes become UTF-8 here ([`super::encoding`]), UTF-16 at once and in memory: what comes after knows
-//! no other text. Padding of tapes (NUL, DEL) and of DOS (Ctrl-Z) at the ends of a line is left out, with all
-//! returns.
+//! line; text that is no block may stand above the first. Bytes become UTF-8 here ([`super::encoding`]),
+//! UTF-16 at once and in memory: what comes after knows no other text. Padding of tapes (NUL, DEL) and of DOS
+//! (Ctrl-Z) at the ends of a line is left out, with all returns.
 
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;

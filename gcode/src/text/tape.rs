@@ -1,10 +1,11 @@
-//! What may stand above the `%` that begins a tape, and behind the `;` that ends a block: text, and not blocks
-//! that somebody wants to have executed. In: a line. Out: whether it can be text.
+//! What may stand above the `%` that begins a tape, and behind the `;` that ends a block: text, and not
+//! blocks that somebody wants to have executed. In: a line. Out: whether it can be text.
 
 /// So many lines are looked through for it.
 pub(super) const LONGEST: u32 = 100;
 
-/// Whether a line is text: outside of comments it has no letter, or two of them side by side, as no block has.
+/// Whether a line is text: outside of comments it has no letter, or two of them side by side, as no block
+/// has.
 pub(crate) fn is_text(line: &[u8]) -> bool {
     let outside: Vec<u8> = outside(line).collect();
     let letter = |byte: &u8| byte.is_ascii_alphabetic();
