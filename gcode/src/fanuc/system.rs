@@ -139,7 +139,7 @@ fn is_b(code: G, text: &[u8]) -> bool {
     tells(code) || codes(text).any(|other| ONLY_B.contains(&other) || tells(other))
 }
 
-/// The bytes of a line without its comments.
+/// The bytes of a line without its comments, blanks and signs that change nothing.
 fn words(text: &[u8]) -> impl Iterator<Item = u8> + '_ {
     let mut depth = 0_u32;
     text.iter().filter_map(move |byte| match byte {
@@ -151,7 +151,8 @@ fn words(text: &[u8]) -> impl Iterator<Item = u8> + '_ {
             depth = depth.saturating_sub(1);
             None
         }
-        _ => (depth == 0).then(|| byte.to_ascii_lowercase()),
+        b'+' => None,
+        _ => (depth == 0 && !byte.is_ascii_whitespace()).then(|| byte.to_ascii_lowercase()),
     })
 }
 
@@ -159,12 +160,22 @@ fn words(text: &[u8]) -> impl Iterator<Item = u8> + '_ {
 fn codes(text: &[u8]) -> impl Iterator<Item = G> + '_ {
     let mut words = words(text).peekable();
     std::iter::from_fn(move || {
-        words.by_ref().find(|byte| *byte == b'g')?;
-        let mut number = 0_u16;
-        while let Some(digit) = words.next_if(u8::is_ascii_digit) {
-            number = number.saturating_mul(10).saturating_add(u16::from(digit - b'0'));
+        loop {
+            words.by_ref().find(|byte| *byte == b'g')?;
+            let (mut tenths, mut is_number) = (0_u16, false);
+            while let Some(digit) = words.next_if(u8::is_ascii_digit) {
+                let digit = 10 * u16::from(digit - b'0');
+                (tenths, is_number) = (tenths.saturating_mul(10).saturating_add(digit), true);
+            }
+            if words.next_if_eq(&b'.').is_some()
+                && let Some(digit) = words.next_if(u8::is_ascii_digit)
+            {
+                tenths = tenths.saturating_add(u16::from(digit - b'0'));
+            }
+            if is_number {
+                return Some(G(tenths));
+            }
         }
-        Some(G(number.saturating_mul(10)))
     })
 }
 

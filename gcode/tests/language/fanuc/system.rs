@@ -47,6 +47,7 @@ fn programs_of_system_a_are_read_as_before() {
         "G90\nS500 M03\nG00 X44. Z2.\nG94 X10. Z-1. F0.1\nX8.\nG00 X60.",
         "S500 M03\nG00 X24. Z3.\nG92 X19.4 Z-13. F1.5 (G78, G95)\nG00 X60.",
         "M03\nG00 X24. Z3.\nG92 X19.4 Z-13. F1.5 S500\nG00 X60.",
+        "S500 M03\nG00 X44. Z2.\ng + 0090 x + 40. z-10. F0.2\nG00 X60.",
     ] {
         assert_eq!(errors(text), [], "{text}");
         assert!(moves(text).len() > 3, "{text}");
