@@ -13,6 +13,7 @@ mod view;
 mod web;
 
 use std::{
+    hash::BuildHasher as _,
     net::TcpListener,
     os::{
         fd::AsFd as _,
@@ -130,7 +131,9 @@ struct Empty {
 impl Empty {
     fn new(asked: &RunArgs) -> Result<Empty, CliError> {
         let (machine, _) = asked.machine.read()?;
-        let folder = std::env::temp_dir().join(format!("pitchlock-by-hand-{}", std::process::id()));
+        // A name that nobody can foresee, and take.
+        let random = std::hash::RandomState::new().hash_one(std::process::id());
+        let folder = std::env::temp_dir().join(format!("pitchlock-by-hand-{random:016x}"));
         let path = folder.join(args::BY_HAND);
         let failed =
             |error: &dyn std::fmt::Display| CliError::Machine(format!("{}: {error}", path.display()));

@@ -8,9 +8,9 @@ use process::shell::Clock;
 use protocol::{Item, PerAxis};
 use rig::{
     journal::{MOST, State, has_other_version, latest},
-    observe::{Observer, Summary},
+    observe::{Observer, Outcome, Summary},
     replay::Arrivals,
-    resume::{self, Plan},
+    resume::{self, Plan, Refusal},
 };
 use sim_plant::{Plant, Scenario};
 
@@ -56,6 +56,10 @@ impl Left {
             return Err(CliError::file(&path, OTHER_VERSION));
         }
         let summary = Summary::read(&dir.join("summary.json")).ok();
+        if summary.as_ref().is_some_and(|summary| summary.outcome == Outcome::Completed) {
+            // Whatever is left of its journal.
+            return Err(CliError::Input(format!("{}: {}", dir.display(), Refusal::Complete)));
+        }
         let args = arguments(dir, summary.as_ref(), known.map(|(_, state)| state.input))?;
         let arrivals = arrivals(dir, known.map_or(0, |(_, state)| state.cycle))?;
         if let Some(by) = arrivals.by_other() {

@@ -54,7 +54,6 @@ impl Journal {
         // In most cycles there is nothing, and what there would be is long.
         let Some(news) = &self.kept_back else { return };
         if !matches!(self.to_disk.try_send(*news), Err(TrySendError::Full(_))) {
-            // Or the thread has met an error, which is told at the end.
             self.kept_back = None;
         }
     }
@@ -62,7 +61,6 @@ impl Journal {
     /// Writes what is known last, waits until the disk has it; why not all of it could be written.
     pub(crate) fn finish(self) -> io::Result<()> {
         if let Some(state) = self.keeper.last() {
-            // Nobody listens any more once writing has failed.
             let _ = self.to_disk.send(state);
         }
         drop(self.to_disk);
@@ -75,6 +73,8 @@ impl Journal {
 fn write(news: &Receiver<State>, mut book: Book<File>) -> io::Result<()> {
     // When the disk has to be asked; never while all is confirmed.
     let (mut asked, mut due) = (None::<Instant>, None::<Instant>);
+    // Why the last one could not be written. The next one is tried again: it is a whole state.
+    let mut failed = None;
     loop {
         let came = match due {
             None => news.recv().map_err(|_| RecvTimeoutError::Disconnected),
@@ -83,15 +83,18 @@ fn write(news: &Receiver<State>, mut book: Book<File>) -> io::Result<()> {
         match came {
             Ok(first) => {
                 for state in std::iter::once(first).chain(news.try_iter()) {
-                    book.write(&state)?;
+                    failed = book.write(&state).err();
                 }
                 due = due.or_else(|| Some(asked.map_or_else(Instant::now, |asked| asked + GATHER)));
             }
             Err(RecvTimeoutError::Timeout) => {
-                book.sync()?;
+                failed = book.sync().err().or(failed);
                 (asked, due) = (Some(Instant::now()), None);
             }
-            Err(RecvTimeoutError::Disconnected) => return book.sync().map(|_| ()),
+            Err(RecvTimeoutError::Disconnected) => {
+                let written = failed.map_or(Ok(()), Err);
+                return written.and_then(|()| book.sync().map(|_| ()));
+            }
         }
     }
 }

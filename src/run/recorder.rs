@@ -22,6 +22,7 @@ pub(crate) type Recorded = (Summary, Option<CliError>);
 pub(crate) struct Recorder {
     observer: Observer,
     trace: Option<TraceWriter>,
+    trace_path: Option<PathBuf>,
     /// The journal, and how far the machine is; none where it is measured what they cost.
     journal: Option<Journal>,
     /// What reached the modules otherwise than in lock step, and where that is kept.
@@ -49,6 +50,7 @@ impl Recorder {
                 Some(resumed) => observer.going_on(resumed.observer.clone()).resumed(resumed.report.clone()),
                 None => observer,
             },
+            trace_path: setup.folder.trace.map(|format| setup.folder.path.join(format.file_name())),
             trace: setup.folder.trace.map(create).transpose()?,
             journal: kept.then(|| Journal::create(&setup.folder.path, setup.keeper())).transpose()?,
             arrivals: Collector::new(one_process, setup.machine.cycles_per_tick()),
@@ -80,8 +82,16 @@ impl Recorder {
             self.progress.say(&format!("{error}; the run goes on without a trace"));
             self.failed = Some(error.into());
             self.trace = None;
+            self.give_up_trace();
         }
         self.progress.cycle(record);
+    }
+
+    /// What is there of a trace that cannot be written goes: its room is that of the journal and the rest.
+    fn give_up_trace(&self) {
+        if let Some(path) = &self.trace_path {
+            let _ = std::fs::remove_file(path);
+        }
     }
 
     /// What has been observed so far.
@@ -95,9 +105,12 @@ impl Recorder {
     }
 
     /// Ends the recording; and why there is no trace of all of it, if there is none.
-    pub(crate) fn finish(self, program: &str, clock: Clock) -> Recorded {
+    pub(crate) fn finish(mut self, program: &str, clock: Clock) -> Recorded {
+        let finished = self.trace.take().map(TraceWriter::finish).transpose();
+        if finished.is_err() {
+            self.give_up_trace();
+        }
         self.progress.finish();
-        let finished = self.trace.map(TraceWriter::finish).transpose();
         let (hash, unfinished) = finished.map_or_else(|error| (None, Some(error)), |hash| (hash, None));
         let unwritten = self.journal.and_then(|journal| journal.finish().err());
         let unwritten = unwritten.map(|error| CliError::Machine(format!("the journal: {error}")));

@@ -146,3 +146,26 @@ fn a_file_that_may_not_grow_costs_the_trace() {
     let length = fs::metadata(place.at("run/trace.csv")).expect("what could be written").len();
     assert!((1..=512 * 1024).contains(&length), "{length}");
 }
+
+/// Processes of a machine start elsewhere than where the launcher was: a folder without its whole name is
+/// completed, one that the bus cannot name is told.
+#[test]
+fn a_folder_for_temporary_files_is_found_or_named() {
+    let place = Place::new();
+    let program = place.write("short.ngc", SHORT).display().to_string();
+    fs::create_dir(place.at("near")).expect("room");
+    let ask = |folder: &str, out: &str| {
+        let mut command = place.pitchlock();
+        command.env("TMPDIR", folder).args(["run", &program, "--trace", "none", "--out", out]);
+        Answer::from(command.output().expect("it starts"))
+    };
+    for (folder, out) in [("near", "one"), ("", "two")] {
+        let answer = ask(folder, out);
+        assert_eq!(answer.status, Some(0), "{folder:?}: {}", answer.stderr);
+    }
+    let far = place.at("n\u{e4}her").display().to_string();
+    fs::create_dir(&far).expect("room");
+    let answer = ask(&far, "three");
+    let named = answer.stderr.contains("not ASCII") && answer.stderr.contains("set TMPDIR to");
+    assert!(answer.status == Some(1) && named, "{}", answer.stderr);
+}

@@ -137,6 +137,23 @@ fn squatted_names_hinder_no_start() {
     }
 }
 
+/// The folder of a panel at which one works by hand has a name that nobody foresees.
+#[test]
+fn squatted_names_hinder_no_panel() {
+    if !can_be_private("squatted_names_hinder_no_panel") {
+        return;
+    }
+    let place = place();
+    let told = script(
+        &place,
+        "other sh -c 'mkdir -m 777 $(seq -f \"$TMPDIR/pitchlock-by-hand-%.0f\" $0 $(($0+5000)))' $$
+         victim ../pitchlock panel >panel.log 2>&1 & child=$!
+         until grep -q http panel.log || ! kill -0 $child 2>/dev/null; do sleep 0.05; done
+         cat panel.log; kill $child; wait $child",
+    );
+    assert!(told.contains("panel: http://"), "{told}");
+}
+
 /// Files beside those of a run, under its prefix, stay where they are, and the run is wiped around them.
 #[test]
 fn planted_files_hinder_no_wipe() {

@@ -171,7 +171,7 @@ fn base_name() -> String {
 /// The folder of all name spaces of this user. Where somebody else has taken its name, one that nobody can
 /// have foreseen.
 fn base() -> Result<PathBuf, IpcError> {
-    let folder = std::env::temp_dir();
+    let folder = temporary()?;
     let base = folder.join(base_name());
     match own_folder(&base) {
         Err(error) if error.kind() == ErrorKind::PermissionDenied && folder.is_dir() => {
@@ -181,6 +181,16 @@ fn base() -> Result<PathBuf, IpcError> {
         }
         made => made.map(|()| base.clone()).map_err(|error| IpcError::file(&base, error)),
     }
+}
+
+/// The folder for temporary files by its whole name: processes of a machine know their name space by it.
+fn temporary() -> Result<PathBuf, IpcError> {
+    let folder = std::env::temp_dir();
+    let whole = if folder.as_os_str().is_empty() { PathBuf::from("/tmp") } else { folder };
+    let whole = std::path::absolute(&whole).map_err(|error| IpcError::file(&whole, error))?;
+    // The names of its channels take no other letters.
+    let is_plain = whole.to_str().is_some_and(|text| text.is_ascii());
+    if is_plain { Ok(whole) } else { Err(IpcError::PathNotAscii { path: whole }) }
 }
 
 /// Makes a folder that nobody else can look into, unless it is there.

@@ -107,6 +107,15 @@ pub enum IpcError {
         /// The path.
         path: std::path::PathBuf,
     },
+    /// The bus takes no such name.
+    #[error(
+        "the name of the folder for temporary files ({path}) has letters that are not ASCII: set TMPDIR to a folder such as \
+         /tmp"
+    )]
+    PathNotAscii {
+        /// The path.
+        path: std::path::PathBuf,
+    },
     /// Not an address that [`NameSpace::address`] gave.
     #[error(
         "{0:?} is not the address of a running machine; processes of a machine are started by `pitchlock run`"

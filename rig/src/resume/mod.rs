@@ -8,6 +8,7 @@
 //! | a pass is cut again whole, from its start | same index, same angles: the same helix |
 //! | a contour that was broken off is begun where its first feed began | there the tool came to it through the air |
 //! | everything before is read and not executed | what is in force follows from the program, not from a guess |
+//! | behind a change of the tool everything before it is done | the tool stands there, and another one does not go over what it did |
 //! | the way there begins where the tool is *measured*: straight out of a groove, back on a contour (`route`) | the tool has been there |
 //!
 //! Outputs, tool and path are as the program has them there before anything moves; spindle and coolant go on
@@ -208,7 +209,14 @@ fn attempt(
     if let Some(Item { line, .. }) = to {
         return Err(Refusal::Work { line });
     }
-    let last = stood.ok_or_else(|| elsewhere(&steps[first], here))?;
+    let mut last = stood.ok_or_else(|| elsewhere(&steps[first], here))?;
+    let mut first = first;
+    if let Some(change) = last_change(&begin, &steps[..last]) {
+        // It stands behind that change, so what is before it is done: another tool does not go back over it.
+        steps.drain(..=change).for_each(|(item, _)| begin.take(&item));
+        last -= change + 1;
+        first = steps.iter().position(|step| moves(&step.0)).unwrap_or(last);
+    }
     let Item { line, code } = steps[last].0;
     if let Code::Pass(pass) = code
         && pass.returns()
@@ -331,6 +339,19 @@ fn look_ahead(steps: &mut Vec<Step>, program: &mut impl Iterator<Item = Item>) {
         let Some(item) = program.next() else { break };
         steps.push((item, at));
     }
+}
+
+/// The last of these steps that puts another tool in place.
+fn last_change(begin: &Modal, steps: &[Step]) -> Option<usize> {
+    let (mut tool, mut last) = (begin.tool, None);
+    for (at, (item, _)) in steps.iter().enumerate() {
+        if let Code::Tool { number } = item.code
+            && tool.replace(number) != Some(number)
+        {
+            last = Some(at);
+        }
+    }
+    last
 }
 
 fn is_work(item: &Item) -> bool {

@@ -242,3 +242,22 @@ fn what_does_not_fit_is_refused_by_its_name() {
     let text = refused(&machine, nothing, moved).to_string();
     assert!(text.contains("X -3.000") && text.contains("by hand"), "{text}");
 }
+
+/// Records of the journal are lost, and the tool stands behind a change: what the other tool did is not gone
+/// back over by this one, which may be longer.
+#[test]
+fn what_another_tool_did_is_not_gone_back_over() {
+    let machine = Machine::default();
+    let items = compiled(&machine, PROGRAM);
+    let (nothing, mut here) = at_home(&machine);
+    // As far as it is known the contour of line 8 is in hand; measured is the rapid of the next tool.
+    let step = items.iter().filter(|item| item.line < 8).map(Item::steps).sum();
+    let known = State { step, ..nothing };
+    here[Axis::X.index()] = protocol::Position::from_mm(11.5);
+    here[Axis::Z.index()] = protocol::Position::from_mm(8.0);
+    let plan = plan(&machine, || items.iter().copied(), &known, &here).expect("it goes on");
+    assert_eq!((plan.stands, plan.modal.tool, plan.line), (Stands::OnRapid(14), Some(3), 15));
+    let [way] = &plan.way[..] else { panic!("{:?}", plan.way) };
+    let Code::Line { target, .. } = way.code else { panic!("{way:?}") };
+    assert_eq!(target[Axis::X.index()].mm(), 11.0);
+}
