@@ -75,6 +75,9 @@ impl Recorded {
             ))
         })?;
         let arrivals = Arrivals::from_text(&text).map_err(|error| CliError::file(&path, error))?;
+        if arrivals.until < summary.cycles && arrivals.gap.is_none() {
+            return Err(refused(format!("{ARRIVALS} is torn: it does not say how far the run went")));
+        }
         if let Some(gap) = &arrivals.gap {
             return Err(refused(format!("the record of what reached its modules has a gap: {gap}")));
         }

@@ -247,6 +247,7 @@ fn a_run_that_is_another_one_is_told_where_and_one_without_its_record_is_refused
         "has a gap: 3 of what interpolator told",
     );
     refused(Some(format!("{text}12 drive-command/q due\n")), "line 5");
+    refused(Some(text[..text.len() / 2].into()), "arrivals.txt is torn");
     refused(None, "what reached its modules and when");
 }
 

@@ -50,19 +50,19 @@ impl<M: Medium> Book<M> {
         Book { medium, number: 0, confirmed: 0, length: 0 }
     }
 
-    /// Writes a record; its number. It is not confirmed yet, unless the journal was begun anew for it.
+    /// Writes a record; its number. It is not confirmed yet, unless the journal was begun anew for it:
+    /// because it is long, or because the medium has no more room and gets that of the records before.
     ///
     /// # Errors
     /// The medium does not take it; what was written before is as it was.
     pub fn write<T: Kept>(&mut self, kept: &T) -> Result<u64> {
         let (number, bytes) = (self.number + 1, sheet(self.number + 1, kept));
         let more = bytes.len() as u64;
-        if self.length + more > MOST {
+        if self.length + more <= MOST && self.medium.append(&bytes).is_ok() {
+            self.length += more;
+        } else {
             self.medium.replace(&bytes)?;
             (self.length, self.confirmed) = (more, number);
-        } else {
-            self.medium.append(&bytes)?;
-            self.length += more;
         }
         self.number = number;
         Ok(number)

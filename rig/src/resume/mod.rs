@@ -25,7 +25,7 @@ use crate::journal::State;
 pub use reader::Modal;
 use reader::{apart_mm, end};
 pub use retooled::Changed;
-use route::{ON_MM, Step, moves, stands_on, way_back};
+use route::{ON_MM, Step, last_change, moves, stands_on, way_back};
 
 /// A contour that is broken off has at most so many items; so far is looked for the place of the tool.
 const MOST: usize = 1 << 14;
@@ -211,7 +211,7 @@ fn attempt(
     }
     let mut last = stood.ok_or_else(|| elsewhere(&steps[first], here))?;
     let mut first = first;
-    if let Some(change) = last_change(&begin, &steps[..last]) {
+    if let Some(change) = last_change(begin.tool, &steps[..last]) {
         // It stands behind that change, so what is before it is done: another tool does not go back over it.
         steps.drain(..=change).for_each(|(item, _)| begin.take(&item));
         last -= change + 1;
@@ -339,19 +339,6 @@ fn look_ahead(steps: &mut Vec<Step>, program: &mut impl Iterator<Item = Item>) {
         let Some(item) = program.next() else { break };
         steps.push((item, at));
     }
-}
-
-/// The last of these steps that puts another tool in place.
-fn last_change(begin: &Modal, steps: &[Step]) -> Option<usize> {
-    let (mut tool, mut last) = (begin.tool, None);
-    for (at, (item, _)) in steps.iter().enumerate() {
-        if let Code::Tool { number } = item.code
-            && tool.replace(number) != Some(number)
-        {
-            last = Some(at);
-        }
-    }
-    last
 }
 
 fn is_work(item: &Item) -> bool {

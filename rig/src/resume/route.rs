@@ -56,6 +56,19 @@ pub(super) fn moves(item: &Item) -> bool {
     item.is_move() || matches!(item.code, Code::Pass(_))
 }
 
+/// The last of these steps that puts another tool in the place of this one.
+pub(super) fn last_change(mut tool: Option<u32>, steps: &[Step]) -> Option<usize> {
+    let mut last = None;
+    for (at, (item, _)) in steps.iter().enumerate() {
+        if let Code::Tool { number } = item.code
+            && tool.replace(number) != Some(number)
+        {
+            last = Some(at);
+        }
+    }
+    last
+}
+
 /// How far a tool that stands here is off a step, and how far it may be if it was braked there, mm.
 fn off((item, from): &Step, here: &PerAxis<Position>) -> Option<[f64; 2]> {
     match &item.code {

@@ -110,6 +110,40 @@ fn what_is_no_journal_is_read_as_none() {
     assert_eq!(latest::<State>(&other), None);
 }
 
+/// A disk that takes no more, but for what takes the place of all there is.
+#[derive(Default)]
+struct Full(Vec<u8>);
+
+impl Medium for Full {
+    fn append(&mut self, bytes: &[u8]) -> Result<()> {
+        if self.0.len() + bytes.len() > 8 * SECTOR {
+            return Err(std::io::ErrorKind::StorageFull.into());
+        }
+        self.0.extend(bytes);
+        Ok(())
+    }
+
+    fn sync(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    fn replace(&mut self, bytes: &[u8]) -> Result<()> {
+        self.0 = bytes.into();
+        Ok(())
+    }
+}
+
+#[test]
+fn a_disk_that_is_full_has_the_newest() {
+    let mut book = Book::new(Full::default());
+    for cycle in 1..=30 {
+        let number =
+            book.write(&State { cycle, ..State::nothing() }).expect("it takes the place of those before");
+        let (found, state) = latest::<State>(&book.medium().0).expect("a whole record");
+        assert_eq!((found, state.cycle, number), (cycle, cycle, cycle));
+    }
+}
+
 #[test]
 fn a_file_is_bounded_and_begins_anew_with_what_is_known() {
     let folder = tempfile::tempdir().expect("a folder");
