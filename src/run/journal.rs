@@ -6,14 +6,14 @@
 
 use std::{
     io,
-    path::Path,
+    path::{Path, PathBuf},
     sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel},
     thread::JoinHandle,
     time::{Duration, Instant},
 };
 
 use rig::{
-    journal::{Book, File, Keeper, State},
+    journal::{Book, File, Keeper, Medium, State},
     observe::Record,
 };
 
@@ -27,6 +27,46 @@ const WAITING: usize = 64;
 /// for each record by itself would take three in a hundred of the run.
 const GATHER: Duration = Duration::from_millis(20);
 
+/// Room beside a journal for the one that takes its place, bytes.
+const SPARE: usize = 4096;
+
+/// The file of a journal. A disk that fills up leaves it room for the newest record.
+struct Spared {
+    file: File,
+    path: PathBuf,
+}
+
+impl Spared {
+    fn create(path: &Path) -> io::Result<Spared> {
+        let file = File::create(path)?;
+        intake::reserve(path, SPARE)?;
+        Ok(Spared { file, path: path.into() })
+    }
+}
+
+impl Medium for Spared {
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.file.append(bytes)
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        self.file.sync()
+    }
+
+    fn replace(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.file.replace(bytes)?;
+        // Its room has just become free: where somebody else was faster the next one is without.
+        let _ = intake::reserve(&self.path, SPARE);
+        Ok(())
+    }
+}
+
+impl Drop for Spared {
+    fn drop(&mut self) {
+        intake::release(&self.path);
+    }
+}
+
 /// A journal that is being written.
 pub(crate) struct Journal {
     keeper: Keeper,
@@ -39,7 +79,7 @@ impl Journal {
     /// A new journal in a run folder.
     pub(crate) fn create(folder: &Path, keeper: Keeper) -> Result<Journal, CliError> {
         let path = folder.join(JOURNAL);
-        let book = File::create(&path).map(Book::new).map_err(|error| CliError::file(&path, error))?;
+        let book = Spared::create(&path).map(Book::new).map_err(|error| CliError::file(&path, error))?;
         let (to_disk, news) = sync_channel(WAITING);
         let thread = std::thread::Builder::new().name("journal".into()).spawn(move || write(&news, book));
         let thread = thread.map_err(|error| CliError::Machine(error.to_string()))?;
@@ -70,7 +110,7 @@ impl Journal {
 
 /// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what
 /// follows.
-fn write(news: &Receiver<State>, mut book: Book<File>) -> io::Result<()> {
+fn write(news: &Receiver<State>, mut book: Book<Spared>) -> io::Result<()> {
     // When the disk has to be asked; never while all is confirmed.
     let (mut asked, mut due) = (None::<Instant>, None::<Instant>);
     // Why the last one could not be written. The next one is tried again: it is a whole state.

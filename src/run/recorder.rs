@@ -9,7 +9,7 @@ use protocol::Axis;
 use rig::{
     observe::{Observer, Record, Summary},
     replay::{Arrivals, Collector},
-    trace::{Row, TraceWriter},
+    trace::{Row, TraceError, TraceWriter},
 };
 
 use super::{Setup, folder::ARRIVALS, journal::Journal, moment::Live, progress::Progress};
@@ -17,6 +17,9 @@ use crate::error::CliError;
 
 /// What a run was; and what could not be written of it.
 pub(crate) type Recorded = (Summary, Option<CliError>);
+
+/// What the system calls a disk, and a share of it, that is full: ENOSPC, EDQUOT.
+const FULL: [i32; 2] = [28, 122];
 
 /// Records one run.
 pub(crate) struct Recorder {
@@ -80,16 +83,20 @@ impl Recorder {
             && let Err(error) = trace.row(&Row::of(record, &self.observer, self.cycle_s))
         {
             self.progress.say(&format!("{error}; the run goes on without a trace"));
-            self.failed = Some(error.into());
             self.trace = None;
-            self.give_up_trace();
+            self.give_up_trace(&error);
+            self.failed = Some(error.into());
         }
         self.progress.cycle(record);
     }
 
-    /// What is there of a trace that cannot be written goes: its room is that of the journal and the rest.
-    fn give_up_trace(&self) {
-        if let Some(path) = &self.trace_path {
+    /// A trace that has no room any more goes: its room is that of the journal and the rest.
+    fn give_up_trace(&self, error: &TraceError) {
+        let (text, full) =
+            (error.to_string(), FULL.map(|code| std::io::Error::from_raw_os_error(code).to_string()));
+        if let Some(path) = &self.trace_path
+            && full.iter().any(|full| text.contains(full.as_str()))
+        {
             let _ = std::fs::remove_file(path);
         }
     }
@@ -107,8 +114,8 @@ impl Recorder {
     /// Ends the recording; and why there is no trace of all of it, if there is none.
     pub(crate) fn finish(mut self, program: &str, clock: Clock) -> Recorded {
         let finished = self.trace.take().map(TraceWriter::finish).transpose();
-        if finished.is_err() {
-            self.give_up_trace();
+        if let Err(error) = &finished {
+            self.give_up_trace(error);
         }
         self.progress.finish();
         let (hash, unfinished) = finished.map_or_else(|error| (None, Some(error)), |hash| (hash, None));
