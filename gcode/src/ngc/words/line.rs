@@ -82,6 +82,7 @@ impl LineReader {
                     self.notes.note(Operation::M(span));
                 }
                 b'n' | b'o' => return Err(misplaced(first, cursor)),
+                b'$' if is_of_a_sender(cursor) => return Err(of_a_sender(cursor)),
                 b'a'..=b'z' | b'@' | b'^' | b'$' => {
                     let (value, span) = self.word(cursor, state)?;
                     let letter = first.to_ascii_uppercase();
@@ -303,6 +304,27 @@ fn misplaced(letter: u8, cursor: &mut Cursor) -> Box<Problem> {
     }
     let help = "an O word comes first in its line; only N may stand before it";
     cursor.error_here("misplaced-o-word", "O inside a line", help)
+}
+
+/// `$H`, `$10=1`, `$J=..`: what Grbl is told beside programs. `$0` picks a spindle.
+fn is_of_a_sender(cursor: &Cursor) -> bool {
+    let mut ahead = cursor.clone();
+    ahead.skip();
+    let mut letters = false;
+    while let Some(byte @ (b'a'..=b'z' | b'0'..=b'9' | b'$' | b'#')) = ahead.peek() {
+        letters |= !byte.is_ascii_digit();
+        ahead.skip();
+    }
+    match ahead.peek() {
+        None => letters,
+        next => next == Some(b'='),
+    }
+}
+
+#[cold]
+fn of_a_sender(cursor: &mut Cursor) -> Box<Problem> {
+    let help = "leave the line out; $0 here means the spindle of S, M3 and G96";
+    cursor.error_here("bad-character", "$ begins a command to Grbl, which is no part of a program", help)
 }
 
 #[cold]

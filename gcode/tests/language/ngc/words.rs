@@ -78,6 +78,9 @@ fn a_message_that_another_comment_hides_is_reported() {
 #[test]
 fn what_is_no_word_is_refused_where_it_stands() {
     for (text, code, bytes) in [
+        ("$H", "bad-character", "$"),
+        ("$$", "bad-character", "$"),
+        ("$110=500", "bad-character", "$"),
         ("G0 X1 %", "bad-character", "%"),
         ("G0 X1 é", "bad-character", "é"),
         ("G0 \u{feff}X1", "bad-character", "\u{feff}"),
