@@ -65,7 +65,8 @@ pub(super) fn behind_end(cursor: &mut Cursor, line: &mut Line) -> Done {
         return Err(cursor.error_here("bad-character", "this stands after the end of the block", help));
     }
     cursor.take_rest();
-    if line.idle.is_none() {
+    // A line of its own is a remark in most programs that have any: it may stand above O, too.
+    if line.idle.is_none() && line.block.has_words() {
         let message = "what stands behind ; is taken for a remark, as no block can be".into();
         line.idle = Some(Idle { span: cursor.span(start), message, words: 0 });
     }

@@ -125,12 +125,12 @@ fn the_sign_of_the_tape_may_stand_in_front_of_the_number() {
 /// `;` ends a block; other controls have remarks behind it.
 #[test]
 fn text_behind_a_semicolon_is_a_remark_and_a_block_is_not() {
-    let found = outcome("; Written by hand\nG00 X40. Z2.; first\nX30.; (and back)\nM30\n");
+    let found = outcome("; Written by hand\nO1000\nG00 X40. Z2.; first\nX30.; (and back)\nM30\n");
     assert!(found.errors.is_empty(), "{:?}", found.errors);
     assert_eq!(found.sink.moves, ["G0 20 2", "G0 15 2"]);
     assert_eq!(
         found.warnings.iter().map(|one| (one.line, one.code)).collect::<Vec<_>>(),
-        [(1, "no-effect"), (2, "no-effect"), (3, "no-effect")]
+        [(3, "no-effect"), (4, "no-effect")]
     );
     for block in ["G00 X40.; G00 X30.", "G00 X40.;X30.", "G00 X40.; GOTO 10", "G00 X40.; #1=2", "; N10"] {
         assert_eq!(errors(block), [(1, "bad-character")], "{block}");
