@@ -310,14 +310,18 @@ fn misplaced(letter: u8, cursor: &mut Cursor) -> Box<Problem> {
 fn is_of_a_sender(cursor: &Cursor) -> bool {
     let mut ahead = cursor.clone();
     ahead.skip();
-    let mut letters = false;
-    while let Some(byte @ (b'a'..=b'z' | b'0'..=b'9' | b'$' | b'#')) = ahead.peek() {
-        letters |= !byte.is_ascii_digit();
-        ahead.skip();
-    }
     match ahead.peek() {
-        None => letters,
-        next => next == Some(b'='),
+        None | Some(b'$') => true,
+        Some(first @ (b'a'..=b'z' | b'0'..=b'9')) => {
+            let is_name = first.is_ascii_alphabetic();
+            let belongs =
+                |byte: u8| if is_name { byte.is_ascii_alphanumeric() } else { byte.is_ascii_digit() };
+            while ahead.peek().is_some_and(belongs) {
+                ahead.skip();
+            }
+            ahead.peek() == Some(b'=') || is_name && ahead.peek().is_none()
+        }
+        _ => false,
     }
 }
 
