@@ -16,6 +16,13 @@
 //! ∫ w_e − 10 |ΔC_counted| ≤ 15°, never below 0         else it is stopped                        (M213)
 //!     w_e = |w|, but no more than what it was counted to be last, and b from there
 //! ```
+//! A drive that has lost its torque, or most of it, neither holds the speed nor changes it:
+//!
+//! ```text
+//! n = speed by the count, over 20 ms;  b' = b/4;  d = 2 at_speed of S
+//! in          r = min(asked, r + b' dt)                  ∫ r/2 − n ≤ 15°, never below 0
+//! from there  r = max(command, min(r, n) − b' dt)       ∫ n − r − d ≤ 15°, never below 0        (M205)
+//! ```
 //! A spindle that is told to turn outwards and gets faster inwards, by more than 180 deg/s, or that turns
 //! outwards as fast before it is told to, does the opposite of what it is told.
 //!
@@ -41,6 +48,12 @@ const WRONG_DEG_S: f64 = 180.0;
 /// turn, or its encoder is dead: at the turn nobody else can tell (M213).
 const STUCK_DEG: f64 = 15.0;
 const STUCK_SHARE: f64 = 0.1;
+
+/// It has no torque if it changes its speed by less than this share of what is planned, or has less than that
+/// share of its speed on the way in (M205); its speed by the count is a mean over so long, s.
+const WEAK_SHARE: f64 = 0.25;
+const SLOW_SHARE: f64 = 0.5;
+const MEAN_S: f64 = 0.02;
 
 /// How far the spindle is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,6 +103,12 @@ pub(crate) struct Tap {
     slowest: f64,
     count: Option<i64>,
     count_deg: f64,
+    /// Its speed by the count, inwards, the one it should have by now at worst, deg/s; what it is behind,
+    /// degrees.
+    counted: f64,
+    due: f64,
+    lag_deg: f64,
+    band: f64,
     brake: f64,
     tick_s: f64,
     cycle_s: f64,
@@ -105,6 +124,10 @@ impl Tap {
             slowest: f64::INFINITY,
             count: None,
             count_deg: 360.0 / machine.spindle_counts(),
+            counted: 0.0,
+            due: 0.0,
+            lag_deg: 0.0,
+            band: 2.0 * machine.spindle.at_speed_pct / 100.0,
             brake: 6.0 * machine.tap_ramp_rpm_s(),
             tick_s: machine.general.interpolator_cycle_s,
             cycle_s: machine.general.cycle_s,
@@ -115,6 +138,7 @@ impl Tap {
     pub(crate) fn reset(&mut self) {
         (self.phase, self.command, self.count) = (Phase::In, 0.0, None);
         (self.missing_deg, self.expected, self.slowest) = (0.0, 0.0, f64::INFINITY);
+        self.lag_deg = 0.0;
     }
 
     /// Whether the tool was at the programmed depth and is on its way out, or out.
@@ -133,12 +157,19 @@ impl Tap {
         self.missing_deg > STUCK_DEG
     }
 
+    /// Whether its drive has so little torque that it does not do what it is told (M205).
+    pub(crate) fn lags(&self) -> bool {
+        self.lag_deg > STUCK_DEG
+    }
+
     /// The direction in which the spindle should turn by now, inwards positive; none while it turns round.
     pub(crate) fn direction(&self, speed: f64) -> Option<f64> {
         match self.phase {
             Phase::In => Some(1.0),
             Phase::Brakes { .. } | Phase::Rests { .. } if speed < -WRONG_DEG_S => Some(1.0),
-            Phase::Out { .. } if speed < -STANDS_DEG_S || speed > self.slowest + WRONG_DEG_S => Some(-1.0),
+            // What an observer sees for a moment of a turn that does not come is none.
+            Phase::Out { .. } if speed.max(self.counted) < -STANDS_DEG_S => Some(-1.0),
+            Phase::Out { .. } if speed > self.slowest + WRONG_DEG_S => Some(-1.0),
             _ => None,
         }
     }
@@ -149,7 +180,9 @@ impl Tap {
         let begins_deg = pass.axis(pass.along()).run_in_c0_deg;
         match self.phase {
             Phase::Stopped => {}
-            _ if turning.leaves && !turning.reversible || self.is_stuck() => self.phase = Phase::Stopped,
+            _ if turning.leaves && !turning.reversible || self.is_stuck() || self.lags() => {
+                self.phase = Phase::Stopped;
+            }
             Phase::In if turning.leaves && turning.angle_deg >= begins_deg => {
                 (self.phase, self.command) = (Phase::Brakes { leaves: true }, 6.0 * turning.asked_rpm);
             }
@@ -162,9 +195,12 @@ impl Tap {
             _ => {}
         }
         self.turn(pass, turning);
+        let counts = turning.count.saturating_sub(self.count.unwrap_or(turning.count));
+        let turned = counts as f64 * self.count_deg * pass.direction;
         if matches!(self.phase, Phase::Out { .. }) {
-            self.slowest = self.slowest.min(turning.speed.max(0.0));
+            self.slowest = self.slowest.min(turning.speed.max(turned / self.tick_s).max(0.0));
         }
+        self.obeys(pass, turned, 6.0 * turning.asked_rpm);
         self.compare(turning.count);
         (self.phase != Phase::In).then_some(self.command / 6.0)
     }
@@ -204,6 +240,28 @@ impl Tap {
         self.expected = (before + self.brake * self.tick_s).min(self.command.abs());
         let missing = self.expected * self.tick_s - turned / STUCK_SHARE;
         self.missing_deg = (self.missing_deg + missing).max(0.0);
+    }
+
+    /// (M205)
+    fn obeys(&mut self, pass: &ThreadPass, turned: f64, asked: f64) {
+        let fresh = (self.tick_s / MEAN_S).min(1.0);
+        self.counted = match self.count {
+            Some(_) => self.counted + fresh * (turned / self.tick_s - self.counted),
+            None => asked,
+        };
+        let step = WEAK_SHARE * self.brake * self.tick_s;
+        let behind = match self.phase {
+            Phase::In => {
+                self.due = if self.count.is_some() { asked.min(self.due + step) } else { asked };
+                SLOW_SHARE * self.due - self.counted
+            }
+            Phase::Stopped => return,
+            _ => {
+                self.due = self.command.max(self.due.min(self.counted) - step);
+                self.counted - self.due - self.band * 6.0 * pass.s_rpm
+            }
+        };
+        self.lag_deg = (self.lag_deg + behind * self.tick_s).max(0.0);
     }
 
     /// (M212)

@@ -106,6 +106,7 @@ impl Interpolator {
             Task::CallingOff { .. } if in_vain => Some(Fault::PassCalledOff),
             Task::Leaving { .. } if in_vain => Some(Fault::AxisNotInPosition),
             Task::Cutting(_) if self.guard.in_vain() => Some(Fault::ForceTooHigh),
+            _ if self.taps() && self.tap.lags() => Some(Fault::SpindleNotAtSpeed),
             _ if self.taps() && self.tap.is_stuck() => Some(Fault::EncoderStands),
             _ if self.patience.stalled(spindle) => Some(Fault::SpindleNotAtSpeed),
             _ => None,

@@ -65,7 +65,7 @@ pub const FAULTS: [FaultRow; 32] = [
         fault: Fault::SpindleNotAtSpeed,
         code: "spindle-not-at-speed",
         source: "interpolator",
-        found: "before a cut the observed speed stays out of the band; in a pass the spindle hardly turns",
+        found: "before a cut the observed speed stays out of the band; in a pass the spindle hardly turns; in a tap it does not follow its commands (M205)",
         within: &[
             most(&[Seconds(30.0), Turns(3.0)], "before a cut"),
             most(&[Seconds(1.0), Turns(0.25)], "in a pass"),
@@ -281,8 +281,8 @@ pub const FAULTS: [FaultRow; 32] = [
         found: "the same count again while the spindle must turn: at once (M70), or in a pass for 2 % of a turn (M105), or for 0.3 s without an interpolator",
         within: &[most(&[Cycles(1)], ""), most(&[Turns(0.02), Cycles(1)], "where that is too slow for it")],
         reaction: "leaves the pass, at once on the estimate of the spindle, later with the count as it is",
-        text: "the spindle encoder stands although the spindle should turn: the encoder or its cable is dead, or the spindle is jammed",
-        remedy: "encoder, cable; whether the spindle is jammed",
+        text: "the spindle encoder stands although the spindle should turn: the encoder or its cable is dead, or the spindle is jammed, or its drive has no torque",
+        remedy: "encoder, cable; whether the spindle is jammed, or its drive off",
     },
     FaultRow {
         fault: Fault::AxisJump,

@@ -116,9 +116,9 @@ fn chain(seed: &mut Seed, s_rpm: f64) -> (String, Programmed) {
     (program, path)
 }
 
-/// Runs 200 cases, and says how far a thread lies from where it is programmed, less the mean of its pass.
-fn worst_of(what: &str, machine: &Machine, program: fn(&mut Seed, f64) -> (String, Programmed)) {
-    let (count, mut worst) = (testing::count("PITCHLOCK_CHAINS", 200), 0.0f64);
+/// Runs so many cases, and says how far a thread lies from where it is programmed, less the mean of its pass.
+fn worst_of(what: &str, machine: &Machine, cases: u64, program: fn(&mut Seed, f64) -> (String, Programmed)) {
+    let (count, mut worst) = (testing::count("PITCHLOCK_CHAINS", cases), 0.0f64);
     for case in 0..count {
         let mut seed = Seed::of_case(case);
         let s_rpm = (50.0 * libm::pow(40.0, seed.unit())).round();
@@ -136,7 +136,7 @@ fn worst_of(what: &str, machine: &Machine, program: fn(&mut Seed, f64) -> (Strin
 
 #[test]
 fn the_threads_of_a_chain_lie_where_they_are_programmed_at_any_speed_and_override() {
-    worst_of("threads of a chain", &Machine::default(), chain);
+    worst_of("threads of a chain", &Machine::default(), 200, chain);
 }
 
 /// A lead that grows or falls between two that stay, in FANUC's words.
@@ -163,7 +163,38 @@ fn growing(seed: &mut Seed, s_rpm: f64) -> (String, Programmed) {
 fn a_lead_that_grows_lies_where_it_is_programmed_at_any_speed_and_override() {
     let mut machine = Machine::default();
     machine.general.dialect = ProgramDialect::Fanuc;
-    worst_of("leads that grow", &machine, growing);
+    worst_of("leads that grow", &machine, 200, growing);
+}
+
+/// Leads by a table of three to six rows, the thread beginning and ending anywhere.
+fn tabled(seed: &mut Seed, s_rpm: f64) -> (String, Programmed) {
+    let pieces = 2 + seed.below(4);
+    let leads: Vec<f64> = (0..=pieces).map(|_| 0.8 + 0.05 * seed.below(20) as f64).collect();
+    let (z0, mut z, mut turns) = (8.0, 8.0, 0.0);
+    let mut rows = format!("Z{z:.9} K{:.4}", leads[0]);
+    let (mut corners, mut growth) = (Vec::new(), 0.0);
+    for pair in leads.windows(2) {
+        let took = (3.0 + s_rpm / 60.0 * 0.35 + 2.0 * seed.unit()).round();
+        let grows = (pair[1] - pair[0]) / took;
+        // Along Z-.
+        corners.push([turns, 0.0, growth - grows]);
+        (growth, turns, z) = (grows, turns + took, z - 0.5 * (pair[0] + pair[1]) * took);
+        rows += &format!(", Z{z:.9} K{:.4}", pair[1]);
+    }
+    let last = leads[leads.len() - 1];
+    let end = (3.0 + s_rpm / 60.0 * 0.35).round();
+    corners.push([turns, 0.0, growth]);
+    let program = format!(
+        "G18 G21 G90 G8 G94 G97\nS{s_rpm} M3\nG0 X15 Z{z0}\n(lead_table, {rows})\nG33 Z{:.9} K{:.4}\nG0 X30\nM2\n",
+        z - last * end,
+        leads[0]
+    );
+    (program, Programmed { z_mm: z0, lead_mm: -leads[0], corners, turns: turns + end })
+}
+
+#[test]
+fn leads_by_a_table_lie_where_they_are_told_at_any_speed_and_override() {
+    worst_of("leads by a table", &Machine::default(), 20, tabled);
 }
 
 /// What may be off an arc, µm: the commands of X and Z; the slides, of which friction lets that of X stand

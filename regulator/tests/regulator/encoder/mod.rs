@@ -2,6 +2,7 @@
 //! do raises no alarm, what it cannot is named.
 
 mod stands;
+mod turned;
 
 use machine::Machine;
 use protocol::{Cycle, Fault, Measurement};
@@ -330,20 +331,6 @@ fn an_index_that_does_not_come_is_missed_after_the_turns_that_are_let_pass() {
             assert!((3.0..3.1).contains(&from_last), "{lines} lines: {from_last} turns");
         }
     }
-}
-
-#[test]
-fn pulses_lost_before_turning_back_are_named_when_the_index_is_met_elsewhere() {
-    let mut bench = Bench::new(2500, 0.5);
-    assert_eq!(bench.turn_on(20.0, 0.8, true), None);
-    bench.shift -= 4;
-    assert_eq!(bench.turn_on(20.0, 0.6, true), None);
-    assert_eq!(bench.turn_on(-20.0, 1.0, true), found(Fault::EncoderPlausibility, 4));
-    // A latch may differ by a count when it comes from the other side, and by none otherwise.
-    let mut bench = Bench::new(2500, 0.5);
-    assert_eq!(bench.turn_on(20.0, 0.8, true), None);
-    bench.shift -= 1;
-    assert_eq!(bench.turn_on(-20.0, 0.8, true), None);
 }
 
 #[test]

@@ -2,6 +2,9 @@
 //! spindle turns round and on the way out, whatever is pressed or fails. The helix is that of the program:
 //! one lead a turn, wherever it lies. `cargo test -p rig tapping -- --nocapture` prints the figures.
 
+mod faults;
+mod mill;
+
 use machine::{Machine, Reaction};
 use protocol::{DriveState, Fault, Item, MachineState, Module};
 use rig::Rig;

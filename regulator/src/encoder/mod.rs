@@ -13,7 +13,7 @@
 //!
 //! ```text
 //! glitch          |d − d′| > 3 + max(A T² + 2 r |d′|, 3/2 |d′ − d″|)                 (M70)
-//! counts          |D| = 4 N; after a reversal 4 N or 0, to one count                 (M71)
+//! counts          |D| = 4 N; after a reversal 4 N or 0, to one count, to 8 if some are lost (M71)
 //! missing index   so many turns and a margin of 8 counts or 4 N / 50 without one, whichever is more
 //! stands          in a pass, the same count for as long as the pace p before takes for that margin    (M105)
 //! ```
@@ -31,7 +31,9 @@
 //! observer swings, as long as the sum over ten turns stays within what is tolerated; beyond it, it is a
 //! fault. Where the latch jitters by J, less than 1 + 2 J counts may be nothing: they are corrected once 16
 //! indexes in a row have shown them. Having turned back, the spindle meets the index it met last; then a
-//! latch may differ by a count: it comes from the other side. More than half a turn is no way back to it.
+//! latch may differ by a count: it comes from the other side. Up to 8 counts were lost, or gained, on the
+//! way, nobody knows whether forth or back: the index lies where it lay, so the count is corrected to that.
+//! More than half a turn is no way back to it.
 //!
 //! An encoder that dies shows the same count again and again: (M70) sees that in the first cycle of a spindle
 //! that turns by more than 3 + A T² counts a cycle. At a lower speed nobody can tell it from a spindle that
@@ -44,8 +46,12 @@
 //! A spindle that jams faster than A looks like a glitch at first. It is one that goes on to slow down, cycle
 //! by cycle, and then stands: from then on the count is believed again. An encoder that dies stops at once.
 
+mod met;
+
 use machine::Machine;
 use protocol::{Fault, Measurement, measurement::middle_of};
+
+use met::{Missed, Seen};
 
 /// Time in which a spindle may come to rest from its top speed, s.
 const STALL_S: f64 = 0.05;
@@ -138,30 +144,6 @@ pub struct Encoder {
     slowed: bool,
     /// A count that stands is that of a spindle that does.
     believed: bool,
-}
-
-/// Counts too many or too few since the index before, in the direction of the spindle.
-#[derive(Clone, Copy, Debug)]
-struct Missed {
-    counts: i64,
-    forward: bool,
-}
-
-/// What has been seen so far.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    count: i64,
-    change: Option<i64>,
-    /// By how much that differed from the one before.
-    trend: i64,
-    /// Measurements are missing before the next.
-    gap: bool,
-    index_number: u64,
-    /// Count at the last index.
-    index: Option<i64>,
-    /// Lowest and highest count since the last index, or since the start.
-    low: i64,
-    high: i64,
 }
 
 impl Encoder {
@@ -288,7 +270,7 @@ impl Encoder {
         (seen.low, seen.high) = (seen.low.min(count), seen.high.max(count));
         let turns = measurement.index_number.saturating_sub(seen.index_number);
         let index = match turns > 0 && minor.is_none() {
-            true => self.at_index(&seen, measurement.index_count, turns),
+            true => seen.at_index(measurement.index_count, turns, self.turn),
             false => Ok(None),
         };
         if turns > 0 {
@@ -369,32 +351,9 @@ impl Encoder {
         beyond.then_some(if change == 0 { STANDS_STILL } else { glitch })
     }
 
-    /// (M71) at an index that was latched at the count `at`; `turns` is 1 unless a cycle is longer than a
-    /// turn. Indexes that were not seen lie whole turns in between.
-    fn at_index(&self, seen: &Seen, at: i64, turns: u64) -> Result<Option<Missed>, EncoderFault> {
-        let Some(from) = seen.index else { return Ok(None) };
-        let turned = at.saturating_sub(from).saturating_abs();
-        let unseen = turned.saturating_add(self.turn / 2) / self.turn;
-        let missed = turned.saturating_sub(self.turn.saturating_mul(unseen.max(turns.min(1 << 20) as i64)));
-        let within = |high: i64, low: i64| high.saturating_sub(low) <= 1;
-        let forth = within(seen.high, seen.count) && within(from, seen.low);
-        let back = within(seen.count, seen.low) && within(seen.high, from);
-        if turned <= 1 {
-            return Ok(None);
-        }
-        if forth || back || turned > self.turn / 2 {
-            return Ok(Some(Missed { counts: missed, forward: at > from }));
-        }
-        Err(EncoderFault { fault: Fault::EncoderPlausibility, counts: turned })
-    }
-
     /// Whether an index should have come.
     fn missing(&self, seen: &Seen) -> Option<EncoderFault> {
-        let turned = match seen.index {
-            Some(index) => seen.high.saturating_sub(index).max(index.saturating_sub(seen.low)),
-            None => seen.high.saturating_sub(seen.low),
-        };
-        (turned as f64 > self.blind_turns * self.turn as f64 + self.margin as f64)
+        (seen.turned() as f64 > self.blind_turns * self.turn as f64 + self.margin as f64)
             .then_some(EncoderFault { fault: Fault::EncoderIndexMissing, counts: 0 })
     }
 }
