@@ -1,6 +1,7 @@
 //! A case from a seed. In: a seed. Out: a [`Case`] without events, ready to run; then, once it is known what
 //! it does undisturbed, its events. The same seed gives the same case on the same version.
 
+mod chain;
 mod events;
 mod lathe;
 mod machines;
@@ -50,6 +51,9 @@ fn one(number: u64, kind: usize, seed: &mut Seed) -> Case {
         3 | 4 => lathe::timed(seed),
         5 => lathe::roughing(seed),
         6 => lathe::fanuc(seed),
+        7 => chain::chain(seed),
+        9 => chain::tap(seed),
+        10 => chain::arc(seed),
         _ => lathe::thread(seed),
     };
     Case { seed: number, machine, blocks, kinds, plant_seed: seed.next() >> 16, events: Vec::new() }

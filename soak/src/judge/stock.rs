@@ -73,10 +73,10 @@ pub struct Contact {
 }
 
 impl PassStock {
-    /// The stock of a pass along Z with one lead; nothing for any other.
+    /// The stock of a pass along Z with one lead, which lifts; nothing for any other.
     pub fn of(pass: &ThreadPass) -> Option<PassStock> {
         let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));
-        if z.lead_mm == 0.0 || pass.corners().next().is_some() {
+        if z.lead_mm == 0.0 || pass.corners().next().is_some() || pass.returns() {
             return None;
         }
         let towards = z.lead_mm.signum();
