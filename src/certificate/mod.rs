@@ -284,6 +284,7 @@ impl Certificate {
         let part = match self.verdict {
             PartVerdict::Good => "good",
             PartVerdict::Bad => "not good",
+            PartVerdict::None if self.gauge.is_some() => "not judged: its gauge has no verdict",
             PartVerdict::None => "not judged: the tool touched no material",
         };
         format!("cut once on the simulated machine, seed {}{how}: the part is {part}", self.seed)
@@ -312,7 +313,16 @@ impl Certificate {
         text
     }
 
-    /// Whether the part would be good, and the program comes to its end.
+    /// Class of the style sheet.
+    fn class(&self) -> &'static str {
+        match self.is_good() {
+            true if self.verdict == PartVerdict::None => "look",
+            true => "good",
+            false => "bad",
+        }
+    }
+
+    /// Whether nothing speaks against the part, and the program comes to its end.
     pub(crate) fn is_good(&self) -> bool {
         self.outcome == Outcome::Completed && self.reasons.is_empty()
     }

@@ -37,7 +37,7 @@ pub(crate) fn html(certificate: &Certificate, program: &str, again: &str) -> Str
 
 fn verdict(certificate: &Certificate) -> Markup {
     html! {
-        div.verdict.(if certificate.is_good() { "good" } else { "bad" }) {
+        div.verdict.(certificate.class()) {
             p { "It was " (certificate.sentence()) "." }
             @for reason in &certificate.reasons { p { "Not good: " (reason) } }
             @if let Some(gauge) = &certificate.gauge { p { "Gauge: " (gauge) } }

@@ -91,8 +91,8 @@ fn helix(summary: &Summary, curves: &Curves) -> Figure {
     let worst = summary.passes.iter().map(|pass| pass.helix_max_abs_um).fold(0.0, f64::max);
     Figure {
         title: "Thread error of every pass".into(),
-        caption: "True Z (of the nut, before backlash and elasticity) minus the programmed helix at the true spindle \
-                  angle, over the turns of the thread. Good: every curve close to zero, without slope (a slope is a \
+        caption: "True Z, of a thread on a face X (of the nut, before backlash and elasticity), minus the programmed helix at \
+                  the true spindle angle, over the turns of the thread. Good: every curve close to zero, without slope (a slope is a \
                   wrong lead), all on each other (a distance between passes is a wrong groove)."
             .into(),
         alt: format!("Distance from the helix over the turns of the thread, one curve a pass; at most {worst:.2} µm."),

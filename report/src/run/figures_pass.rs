@@ -37,7 +37,7 @@ fn title(pass: &PassReport) -> String {
 }
 
 const MOMENTS: &str = "0 armed, the tool waits at its start point. 1 index: angles count from here. 2 run-in begins. 3 material \
-                       begins: X at depth, Z on the helix. 4 run-out begins. 5 at rest, free of the part. Good: the thin \
+                       begins: X at depth, Z on the helix (of a thread on a face each is the other). 4 run-out begins. 5 at rest, free of the part. Good: the thin \
                        line of the true position never leaves the wide line of the programmed law, and between 3 and 4 both \
                        are straight.";
 const MOMENTS_OF_A_TAP: &str = "0 armed, the tool waits at its start point. 1 index: angles count from here. 2 run-in begins. 3 Z \
@@ -96,7 +96,7 @@ pub(super) fn slide(pass: &PassReport, shown: &ShownCurves) -> Figure {
         caption: format!(
             "The servo error is what the controller sees: at the motor, or at the scale of an axis that has one. The \
              slide stands behind backlash, error of the screw, and the elasticity on which acceleration, friction and \
-             cutting force pull. A constant error in the thread shifts it, and in X makes the diameter wrong by twice as \
+             cutting force pull. A constant error along the thread shifts it, and in X of a thread along Z makes the diameter wrong by twice as \
              much; one that changes from pass to pass spoils it. In the thread of this pass at most {x:.2} µm in X and \
              {z:.2} µm in Z."
         ),

@@ -96,15 +96,15 @@ pub(super) fn tables(summary: &Summary) -> Markup {
                 "Helix: the true slide against the programmed helix at the true spindle angle, less its mean, as long as \
                  the point is in the material; the mean is the phase: passes of one start must agree in it, or they \
                  cut different grooves. Depth is positive where the groove is too shallow. By these the part is judged. \
-                 Servo error: commanded minus measured; in the thread, after its first turn, 0.2 µm in X and 1.5 µm in Z \
-                 are good."
+                 Servo error: commanded minus measured; in the thread, after its first turn, 0.2 µm across it (X; of a \
+                 thread on a face Z) and 1.5 µm along it (Z; there X) are good."
             }
             details {
                 summary { "More about the servo" }
                 (table("Table of servo errors", &SERVO, summary))
                 p.caption {
                     "Slide: commanded minus true position of the slide, behind backlash, screw and elasticity. Nut: true Z \
-                     of the nut against the helix over the thread. A run-in within ±8 µm that ends near 0 is good."
+                     (of a thread on a face X) of the nut against the helix over the thread. A run-in within ±8 µm that ends near 0 is good."
                 }
             }
         }

@@ -5,7 +5,8 @@
 //! swing of each pass about its mean, passes and starts against each other, the depth, and how it differs
 //! from end to end. Where along the part the whole thread lies is not judged: nobody measures that in µm.
 //! Work from formulas is judged by what its job asks for. Where a gauge is asked for, what it refuses speaks
-//! against the part, and so does a ring that was cut in a loss of power, before a run that goes on.
+//! against the part, and so does a ring that was cut in a loss of power, before a run that goes on; where the
+//! gauge has no verdict, the part has none either.
 
 use machine::Threading;
 use serde::{Deserialize, Serialize};
@@ -55,7 +56,8 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
         ));
     }
     let judges = !summary.traces.is_empty() || summary.touched().next().is_some();
-    let verdict = match (reasons.is_empty(), judges) {
+    let undecided = summary.gauge.iter().any(|gauge| gauge.verdict == PartVerdict::None);
+    let verdict = match (reasons.is_empty(), judges && !undecided) {
         (false, _) => PartVerdict::Bad,
         (true, true) => PartVerdict::Good,
         (true, false) => PartVerdict::None,

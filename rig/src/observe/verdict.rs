@@ -10,7 +10,7 @@ pub enum PartVerdict {
     Good,
     /// Something does.
     Bad,
-    /// Nothing was cut that is judged.
+    /// Nothing was cut that is judged, or the gauge that was asked for has no verdict.
     #[default]
     None,
 }

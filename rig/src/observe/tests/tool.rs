@@ -4,7 +4,7 @@ use machine::{Machine, PLAIN_LATHE, Part};
 use protocol::{Axis, Position, ThreadPass};
 
 use super::ideal::{Ideal, Injected, lay_out, pass};
-use crate::observe::{DeviationReport, Observation, PartVerdict, PassReport, TraceReport};
+use crate::observe::{DeviationReport, GaugeReport, Observation, PartVerdict, PassReport, TraceReport};
 
 /// Where the tool of [`pass`] enters the stock, degrees: 5 mm at 360°, Z 0 two and a half turns behind.
 const FACE_DEG: f64 = 1260.0;
@@ -203,6 +203,13 @@ fn a_work_is_judged_by_its_commanded_path() {
         Observation { traces: vec![trace], ..Observation::default() }.summary("part.toml", "virtual").part
     };
     assert_eq!(part(-1.9, -25.0).verdict, PartVerdict::Good, "what a slide may be off, no job says");
+    let gauged = |verdict| {
+        let gauge = Some(GaugeReport { verdict, ..GaugeReport::default() });
+        let traces = vec![TraceReport { line: 7, most_um: Some(2.0), ..TraceReport::default() }];
+        Observation { traces, gauge, ..Observation::default() }.summary("part.toml", "virtual").part.verdict
+    };
+    let all = [PartVerdict::Good, PartVerdict::None];
+    assert_eq!(all.map(gauged), all, "a gauge that decides nothing makes no part good");
     let wrong = part(-2.5, -2.5);
     assert_eq!((wrong.verdict, wrong.reasons.len()), (PartVerdict::Bad, 1));
     assert!(wrong.reasons[0].contains("in line 7 the commanded path itself is 2.50 µm off"), "{wrong:?}");
