@@ -168,6 +168,9 @@ pub struct Options {
     /// last move, an inch machine has inches of 1/0.03937007874016 mm, the first tool of the table counts as
     /// that in an empty spindle, and an error ends all calls.
     pub stand_alone: bool,
+    /// G84 and G74 of RS274/NGC, which are for a floating holder, are rigid taps with the lead of F and S,
+    /// and that is warned of: for a machine that taps no other way.
+    pub rigid_taps: bool,
     /// Where subroutine files are looked for, after the folder of the program.
     pub subroutine_folders: Vec<PathBuf>,
     /// Limits.
@@ -196,6 +199,7 @@ impl Default for Options {
             orient_offset: 0.0,
             startup: None,
             stand_alone: false,
+            rigid_taps: false,
             subroutine_folders: Vec::new(),
             limits: Limits::default(),
         }

@@ -95,6 +95,13 @@ impl Frame {
         sum(sum(at, &self.system), &self.tool)
     }
 
+    /// Where a Z of the program lies on the machine, mm.
+    pub(crate) fn z_on_machine(&self, z: f64) -> f64 {
+        let mut at = Pose::default();
+        at[Z] = z;
+        self.machine(&at)[Z]
+    }
+
     /// A position of the machine as it is programmed: the inverse of [`Frame::machine`].
     pub(crate) fn programmed(&self, at: &Pose) -> Pose {
         let mut from: Pose = std::array::from_fn(|axis| at[axis] - self.system[axis] - self.tool[axis]);

@@ -86,6 +86,8 @@ pub(crate) struct Tools {
 pub(crate) struct Settings {
     /// [`Options::stand_alone`].
     pub(crate) stand_alone: bool,
+    /// [`Options::rigid_taps`].
+    pub(crate) rigid_taps: bool,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub(crate) peck_clearances: [f64; 2],
     /// [`Options::forgets_g92`].
@@ -162,6 +164,7 @@ impl State {
         let mut state = State {
             settings: Settings {
                 stand_alone: options.stand_alone,
+                rigid_taps: options.rigid_taps,
                 peck_clearances: options.peck_clearances,
                 forgets_g92: options.forgets_g92,
                 no_fanuc_subs: options.no_fanuc_subs,

@@ -16,6 +16,7 @@
 //! | `policy.rs` | what makes the tool leave a thread, as the program says it |
 //! | `refusal.rs` | why a cut has no law, and which speed would give it one |
 //! | `starts.rs` | which start of a multi-start thread a pass belongs to |
+//! | `table.rs` | the leads along a thread, as the program says them |
 //! | `varied.rs` | how the speed of the spindle is varied in a pass, as the program says it |
 
 mod chain;
@@ -31,6 +32,7 @@ mod refusal;
 mod round;
 mod single;
 mod starts;
+mod table;
 mod varied;
 mod way_out;
 
@@ -47,4 +49,5 @@ pub(crate) use refusal::highest_of_tap;
 pub(crate) use round::Round;
 pub(crate) use single::{Next, Single};
 pub(crate) use starts::Starts;
+pub(crate) use table::Table;
 pub(crate) use varied::{Said, top_share, varied};

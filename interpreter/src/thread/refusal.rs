@@ -195,7 +195,7 @@ impl Refusal {
 /// Where a lead changes.
 fn corner(line: u32, in_arc: bool) -> String {
     match in_arc {
-        true => format!("a place in the arc of line {line}"),
+        true => format!("a place within the thread of line {line}"),
         false => format!("the corner where the thread of line {line} begins"),
     }
 }
@@ -211,7 +211,8 @@ impl Broken {
             ),
             Broken::TooMany => (
                 format!("a chain of threads changes its lead at {} corners at most", motion::MOST_CHANGES),
-                "join threads of one direction and lead, or put a G0 between two of them".to_owned(),
+                "join threads of one direction and lead, put a G0 between two of them, or give a table of leads less rows"
+                    .to_owned(),
             ),
             Broken::TooRound(pieces) => (
                 format!(

@@ -25,6 +25,9 @@ impl Translator {
             let help = "G33.1 gives it with K";
             return Err(Problem::error("bad-value", Blame::Block, "the tap has no lead", help));
         };
+        if self.threads.table().is_in_force() {
+            return Err(self.threads.table().refuses("a tap"));
+        }
         let (from, to) = (*self.points.programmed(), self.modal.frame.machine(to));
         let moved = |coordinate: &usize| (to[*coordinate] - from[*coordinate]).abs() > SAME;
         if let Some(letter) = (0..to.len()).filter(|coordinate| *coordinate != Z).find(moved) {

@@ -30,8 +30,8 @@ impl Translator {
     ) -> Done {
         let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
         let of = (place.line, self.threads.waits());
-        let single =
-            threading::single(of, (target, round), synchronised, &self.points, turning, &self.machine)?;
+        let told = (synchronised, self.threads.table());
+        let single = threading::single(of, (target, round), told, &self.points, turning, &self.machine)?;
         self.spindle.hold(single.s_rpm);
         self.warn_of_encoder(place, synchronised.lead_mm);
         self.points.thread_goes_to(*target);
@@ -83,6 +83,9 @@ impl Translator {
     /// A threading cycle: every pass of a thread, with the moves between them.
     pub(super) fn thread_cycle(&mut self, place: Place, cycle: &ThreadCycle) -> Done {
         let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
+        if self.threads.table().is_in_force() {
+            return Err(self.threads.table().refuses("a threading cycle"));
+        }
         let cycle = threading::cycle_on_machine(cycle, turning, &self.machine)?;
         self.warn_of_encoder(place, cycle.lead_mm);
         let rest = self.points.axes_at_rest();

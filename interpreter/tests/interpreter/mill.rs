@@ -273,11 +273,24 @@ fn a_spline_beyond_the_travel_is_refused_once() {
     assert_eq!(errors(&mill(), text), [(3, "travel-limit")]);
 }
 
-/// G84 switches the overrides off: what is missing is named by what the program says.
+/// G84 and G74 of LinuxCNC feed a floating holder. Here they are the rigid tap that goes to the same place,
+/// in either mode of feed, at every hole, and that is told.
 #[test]
-fn a_tap_is_refused_as_a_tap() {
-    let program = "T1 M6\nS500 M3 F500\nG0 X1 Y1 Z-5\nG84 X1 Y1 Z-15 R-8\nM2\n";
-    let found = check("test.ngc", program, &mill()).diagnostics;
-    let said = found.iter().find(|one| one.code == "not-available").expect("it is refused");
-    assert!(said.line == 4 && said.message.starts_with("taps (G74, G84)"), "{}", said.message);
+fn a_tap_for_a_floating_holder_is_a_rigid_one() {
+    let of = |taps: &str| {
+        let program = format!("T1 M6\n{taps}M2\n");
+        let found = check("test.ngc", &program, &mill());
+        let codes: Vec<_> = found.diagnostics.iter().map(|one| (one.line, one.code)).collect();
+        let leads: Vec<_> = crate::passes(&found.items)
+            .iter()
+            .map(|pass| (pass.axis(Axis::Z).lead_mm, pass.axis(Axis::Z).start.mm(), pass.direction))
+            .collect();
+        (codes, leads)
+    };
+    let rigid = of("S500 M3\nG0 X1 Y1 Z-5\nG0 Z-8\nG33.1 Z-15 K1.25\nG0 X6\nG33.1 Z-15 K1.25\n");
+    let (codes, leads) = of("S500 M3\nG0 X1 Y1 Z-5\nF625 G84 X1 Y1 Z-15 R-8\nG99 X6\nG80\n");
+    assert_eq!((codes, &leads), (vec![(4, "rigid-tap"), (5, "rigid-tap")], &rigid.1));
+    let (codes, leads) = of("S500 M4\nG0 X1 Y1 Z-5\nG95 F1.25 G99 G74 X1 Y1 Z-15 R-8\nG80\n");
+    assert_eq!((codes, leads.len(), leads[0].0, leads[0].2), (vec![(4, "rigid-tap")], 1, -1.25, -1.0));
+    assert_eq!(of("S500\nG0 X1 Y1 Z-5\nF625 G84 X1 Y1 Z-15 R-8\n").0, [(4, "spindle-not-turning")]);
 }

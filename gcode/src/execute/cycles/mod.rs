@@ -19,7 +19,7 @@ use crate::block::{AXES, Block};
 use crate::canon::{Call, FeedMode, PathMode, Plane};
 use crate::codes::{G, group};
 use crate::problem::{Blame, Problem, short};
-use crate::state::{State, Sticky};
+use crate::state::{Rigid, State, Sticky};
 use hole::{Bar, Hole, Strokes};
 
 /// Whether a code is one of them.
@@ -53,6 +53,9 @@ pub(super) fn cycle(code: G, block: &Block, state: &mut State, out: &mut Output)
     let words = words(code, block, state, before)?;
     let repeats = repeats(block)?;
     let pattern = Pattern::new(code, block, state, &words)?;
+    if pattern.hole.rigid.is_some() && state.rigid.is_none() {
+        out.warn(floating(code, &pattern.hole, state));
+    }
     pattern.bound(repeats, block, state)?;
     if matches!(code.0, 730 | 830) && block.has('Q') && words.peck != before.peck {
         let cuts = pattern.hole.peck_count();
@@ -130,6 +133,28 @@ fn repeats(block: &Block) -> Result<i64, Box<Problem>> {
     })
 }
 
+/// G84 and G74 where every tap is rigid: F a minute is the lead times S, F a turn the lead. A spindle that
+/// stands, or has no speed, makes none.
+fn rigid(code: G, state: &State) -> Option<Rigid> {
+    let (speed, feed) = (state.spindle.speed, state.modes.feed);
+    let taps = state.settings.rigid_taps && matches!(code.0, 740 | 840) && state.spindle.turning.is_some();
+    let by_minute = state.modes.feed_mode == FeedMode::PerMinute;
+    let lead = if by_minute { feed / speed } else { feed };
+    let known = taps && state.spindle.constant_surface.is_none() && lead.is_finite() && lead > 0.0;
+    known.then_some(Rigid { lead, peck: 0.0 })
+}
+
+/// What an owner of a floating holder has to know.
+fn floating(code: G, hole: &Hole, state: &State) -> Box<Problem> {
+    let lead = hole.rigid.map_or(0.0, |rigid| rigid.lead) * state.units.mm();
+    let message = format!(
+        "{code} of LinuxCNC feeds a floating holder at F; here it is tapped in step with the spindle, with a lead of {}",
+        state.units.program().length(lead)
+    );
+    let help = "see that F is the lead times S (G94), or the lead (G95); G33.1 Z K says the lead itself";
+    Problem::warning("rigid-tap", Blame::G(code), message, help)
+}
+
 /// The holes of a block.
 struct Pattern {
     /// What is done in each.
@@ -178,7 +203,7 @@ impl Pattern {
                 bar: Bar::new(words.offset, bottom, state),
                 turning: state.spindle.turning,
                 overrides: state.overrides,
-                rigid: state.rigid,
+                rigid: state.rigid.or_else(|| rigid(code, state)),
             },
             plane: state.modes.plane,
             level,

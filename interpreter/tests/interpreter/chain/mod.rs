@@ -1,6 +1,8 @@
 //! Threads that follow each other, and leads that grow: where the tool is, against the programmed path.
 
 mod round;
+mod table;
+mod tools;
 
 use gcode::problem::Severity;
 use interpreter::{Check, check};

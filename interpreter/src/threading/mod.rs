@@ -4,31 +4,28 @@
 //! A G33 waits until it is known what comes next: a G0 that moves only X becomes its retract, made in step
 //! with the spindle.
 
-use gcode::canon::{ThreadCycle, Units, X, Z};
-use gcode::problem::{Blame, short};
+mod words;
+
+use gcode::canon::{Units, X, Z};
+use gcode::problem::Blame;
 use gcode::{Place, Problem};
 use machine::{Machine, Varied};
 use protocol::{Axis, AxisLaw, Code, PerAxis, Position, ThreadPass, Variation, WayOut};
 
-use crate::modal::Synchronised;
 use crate::pass_note::{PassNote, bytes_of};
-use crate::points::Points;
-use crate::reach::{Done, missing, within_travel};
-use crate::spindle::Turning;
+use crate::reach::{Done, within_travel};
 use crate::tapping;
 use crate::thread::{
-    Along, Chain, Cut, Cycle, Leg, MOST_PASSES, Next, Plan, Point, Policy, Round, Said, Single, Starts, plan,
-    plans, rounded, top_share, varied,
+    Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, Table, plan, plans,
+    rounded, top_share, varied,
 };
+
+pub(crate) use words::{cycle_on_machine, single};
 
 /// Positions closer than this are one, mm or degrees: the quantum of the wire.
 pub(crate) const SAME: f64 = 1e-9;
 /// Leads a thread may have, mm.
 const LEADS: [f64; 2] = [0.001, 1000.0];
-/// Steepest infeed, degrees.
-const INFEED_DEG: f64 = 80.0;
-/// Highest degression.
-const DEGRESSION: f64 = 100.0;
 /// The end of a law may miss the programmed one by this much, mm.
 const ROUNDING: f64 = 1e-8;
 
@@ -48,6 +45,7 @@ pub(crate) struct Threads {
     held: Option<Held>,
     policy: Policy,
     said: Said,
+    table: Table,
     /// The variation that machine code has told so far.
     told: Option<Variation>,
     passes: u32,
@@ -72,11 +70,22 @@ impl Threads {
         &self.notes
     }
 
-    /// A comment may say what makes the tool leave the threads that follow, or how the speed is varied in
-    /// them.
+    /// A comment may say what makes the tool leave the threads that follow, how the speed is varied in them,
+    /// or which leads they have.
     pub(crate) fn comment(&mut self, text: &str) -> Done {
+        if let Some(word) = ["blunt_start", "higbee"].into_iter().find(|word| begins_with(text, word)) {
+            let message = format!("{word}: the edge that cuts a groove cannot take the ridge beside it away");
+            let help = "write it as passes of its own, between the grooves, by a tool as wide as the ridge";
+            return Err(Problem::error("not-available", Blame::Block, message, help));
+        }
         self.policy.comment(text)?;
-        self.said.comment(text)
+        self.said.comment(text)?;
+        self.table.comment(text)
+    }
+
+    /// The leads that the program says along Z.
+    pub(crate) fn table(&self) -> &Table {
+        &self.table
     }
 
     /// What machine code has to tell of the speed before a pass.
@@ -288,84 +297,14 @@ fn mostly_shallow((line, units): (u32, Units), cut: &Cut, [from, to]: [f64; 2]) 
         .then(|| *Problem::warning("mostly-shallow", Blame::Line(line), message, help))
 }
 
-/// G33: one pass along the path to the target, a line or an arc, or what goes on from one. `line` of the
-/// program.
-pub(crate) fn single(
-    (line, goes_on): (u32, bool),
-    (target, round): (&gcode::Pose, Option<Round>),
-    synchronised: &Synchronised,
-    points: &Points,
-    turning: Turning<'_>,
-    machine: &Machine,
-) -> Result<Single, Box<Problem>> {
-    let Synchronised { lead_mm, growth_mm, start_deg } = *synchronised;
-    let (from, to) = (in_plane(points.programmed()), in_plane(target));
-    let (s_rpm, direction) = turning.at(from.x, machine)?;
-    check_lead(lead_mm, 'K', turning.frame.units)?;
-    if in_plane_of(target, from) != *points.programmed() {
-        return Err(missing("a thread that turns the spindle as an axis", "move X and Z alone"));
-    }
-    if (to.z - from.z).abs().max((to.x - from.x).abs()) < SAME {
-        let help = "give X or Z of its end";
-        return Err(Problem::error("bad-value", Blame::Block, "the thread has no length", help));
-    }
-    if points.after_thread() && !goes_on {
-        let message = "this thread would begin where another one ends, and something stands between them";
-        let help = "let it follow at once, so that both are one chain, or put a G0 between them";
-        return Err(Problem::error("not-available", Blame::Block, message, help));
-    }
-    let legs = match round {
-        Some(round) => round.legs(line, [from, to], lead_mm),
-        None => Leg::straight(line, [from, to], lead_mm, growth_mm).map(|leg| vec![leg]),
-    };
-    let legs = legs.and_then(|legs| Chain::of(&legs).map(|_| legs));
-    let legs = legs.map_err(|why| why.problem(turning.frame.units))?;
-    legs.iter().try_for_each(|leg| within_travel(machine, Axis::X, leg.to.x, Blame::Block))?;
-    Ok(Single {
-        s_rpm,
-        direction,
-        units: turning.frame.units,
-        from,
-        legs,
-        start_deg,
-        next: Next::Stays,
-        outwards: points.outwards(),
-    })
-}
-
-/// A threading cycle in mm, machine coordinates.
-pub(crate) fn cycle_on_machine(
-    cycle: &ThreadCycle,
-    turning: Turning<'_>,
-    machine: &Machine,
-) -> Result<Cycle, Box<Problem>> {
-    let frame = turning.frame;
-    let (units, unit) = (frame.units, frame.unit());
-    let from = in_plane(&frame.machine(&cycle.from));
-    let (s_rpm, direction) = turning.at(from.x + cycle.crest * unit, machine)?;
-    let to_z = frame.machine(&in_plane_of(&cycle.from, Point { x: 0.0, z: cycle.end_z }))[Z];
-    if (to_z - from.z).abs() < SAME {
-        let help = "let Z differ from where the tool stands";
-        return Err(Problem::error("bad-value", Blame::Word('Z'), "the thread has no length", help));
-    }
-    let lead_mm = cycle.lead * unit;
-    check_lead(lead_mm, 'P', units)?;
-    let out_of_range = |letter, value: f64, range: &str| {
-        let message = format!("{letter}{} is out of range", short(value));
-        Err(Problem::error("bad-value", Blame::Word(letter), message, format!("allowed: {range}")))
-    };
-    if cycle.infeed_deg.abs() > INFEED_DEG {
-        return out_of_range('Q', cycle.infeed_deg, "-80 to 80 degrees");
-    }
-    if !(1.0..=DEGRESSION).contains(&cycle.degression.exponent) {
-        return out_of_range('R', cycle.degression.exponent, "1 to 100");
-    }
-    if (cycle.chamfer_in || cycle.chamfer_out) && cycle.chamfer <= 0.0 {
-        let help = "give its length with E, or leave L out";
-        let message = "L asks for a taper that has no length";
-        return Err(Problem::error("bad-value", Blame::Word('L'), message, help));
-    }
-    Ok(Cycle { s_rpm, direction, from, to_z, units, lead_mm, words: *cycle })
+/// Whether this word stands alone at the beginning of a comment, or with a comma behind it.
+fn begins_with(text: &str, word: &str) -> bool {
+    let text = text.trim();
+    let rest = text
+        .get(..word.len())
+        .filter(|begins| begins.eq_ignore_ascii_case(word))
+        .map(|_| &text[word.len()..]);
+    rest.is_some_and(|rest| rest.is_empty() || rest.trim_start().starts_with(','))
 }
 
 /// X and Z of a point.
