@@ -1,8 +1,11 @@
 //! What a run keeps of itself, and what is measured for the next one: any bytes in its place.
 
+use std::sync::LazyLock;
+
 use gauge::pickup::{self, Asked, pick_up};
 use interpreter::Interpreter;
 use machine::Machine;
+use protocol::Item;
 use rig::{
     journal::{State, has_other_version, latest},
     observe::Summary,
@@ -44,6 +47,15 @@ pub fn arrivals_live(bytes: &[u8]) {
     assert!(changes.iter().zip(known).all(|(read, written)| *read == written), "{changes:?}");
 }
 
+/// A lathe and a program of it, read once.
+static PROGRAM: LazyLock<(Machine, Vec<Item>)> = LazyLock::new(|| {
+    let machine = Machine::plain();
+    let text =
+        "G18 G21 G90 G8 G94 G97\nM3 S800\nG0 X12 Z12\nG1 Z5 F600\nG0 X9\nG33 Z-6 K1.5\nG0 X12\nM5\nM2\n";
+    let items = Interpreter::of_text("fuzz", text.to_string(), &machine).map_while(Result::ok).collect();
+    (machine, items)
+});
+
 /// The bytes as a journal; and as what a whole record of one says, by which a program is gone on with from
 /// where the machine is at home: refused, or a plan.
 pub fn journal(bytes: &[u8]) {
@@ -51,11 +63,8 @@ pub fn journal(bytes: &[u8]) {
     let mut content = [0; size_of::<State>()];
     content.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
     let Ok(state) = State::read_from_bytes(&content) else { return };
-    let machine = Machine::plain();
-    let program =
-        "G18 G21 G90 G8 G94 G97\nM3 S800\nG0 X12 Z12\nG1 Z5 F600\nG0 X9\nG33 Z-6 K1.5\nG0 X12\nM5\nM2\n";
-    let items = || Interpreter::of_text("fuzz", program.to_string(), &machine).map_while(Result::ok);
-    match resume::plan(&machine, items, &state, &machine.home()) {
+    let (machine, items) = &*PROGRAM;
+    match resume::plan(machine, || items.iter().copied(), &state, &machine.home()) {
         Ok(plan) => assert!(plan.before.iter().all(|item| item.check().is_ok()), "{plan:?}"),
         Err(refused) => assert!(!refused.to_string().is_empty()),
     }

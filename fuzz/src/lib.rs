@@ -173,7 +173,12 @@ pub fn tables(bytes: &[u8]) {
     }
 }
 
-/// The bytes as a job of the built-in mill.
+/// The bytes as the text of a job.
+pub fn job_text(bytes: &[u8]) {
+    executed(Program::from_job("fuzz", bytes, &options(Dialect::Linuxcnc)), bytes);
+}
+
+/// The bytes as a job of the built-in mill, planned.
 pub fn job(bytes: &[u8]) {
     let machine = Machine::from_toml(SMALL_MILL).expect("it is shipped");
     let options = options(Dialect::Linuxcnc);
@@ -296,7 +301,11 @@ fn program(bytes: &[u8], dialect: Dialect) {
         2 => Some(DecimalPoint::PocketCalculator),
         _ => Some(DecimalPoint::Refuse),
     };
-    let mut program = Program::from_text("fuzz", bytes, &options);
+    executed(Program::from_text("fuzz", bytes, &options), bytes);
+}
+
+/// A program to its end, and what it calls, printed.
+fn executed(mut program: Program, bytes: &[u8]) {
     let mut sink = Printers {
         linuxcnc: LinuxcncPrinter::new(io::sink()),
         plain: PlainPrinter::new(io::sink(), Units::Millimetre),

@@ -342,6 +342,12 @@ fn tables_of_linuxcnc() {
 }
 
 #[test]
+fn job_text() {
+    mutate_within(JOB_MEMORY, MUTATIONS, targets::job_text, &jobs());
+}
+
+/// Its surfaces and contours are planned as well, which takes a thousand times as long.
+#[test]
 fn job() {
     // The longest line that a job may have is provided for at its beginning.
     mutate_within(JOB_MEMORY, MUTATIONS / 20, targets::job, &jobs());

@@ -243,6 +243,7 @@ impl Ports {
         let (cycle, last) = (truth.cycle.0, truth.measurement.last != 0);
         // The last one ends the record. The machine rests: there is time to wait for a recorder that stands.
         while last && !is_orphan() && is_full(&mut self.truths, truth)? {
+            self.truths.comes_again();
             sleep_until(Moment::now().after(PAUSE));
         }
         if !last {

@@ -79,6 +79,17 @@ fn a_full_queue_is_an_error_in_bounded_time_and_nothing_queued_is_lost() {
     sender.send(&dwell(0)).unwrap();
     assert!(receiver.receive().unwrap().is_some());
     assert_eq!(receiver.count().lost, 1, "the refused message shows as a gap");
+    for sequence in 0..channel::CODE_DEPTH {
+        sender.send(&dwell(sequence)).unwrap();
+    }
+    for _ in 0..3 {
+        assert!(sender.send(&dwell(7)).is_err());
+        sender.comes_again();
+    }
+    while receiver.receive().unwrap().is_some() {}
+    sender.send(&dwell(7)).unwrap();
+    assert_eq!(receiver.receive().unwrap(), Some(dwell(7)));
+    assert_eq!(receiver.count().lost, 1, "what was sent again until it was taken is not lost");
 }
 
 #[test]

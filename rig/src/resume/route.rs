@@ -17,8 +17,9 @@ use super::reader::apart_mm;
 /// of their own, and on a feed.
 const BESIDE_RAPID_MM: f64 = 6.0;
 const BESIDE_FEED_MM: f64 = 0.5;
-/// Nearer than this it is on it, mm.
+/// Nearer than this it is on it, mm; and while it is led over what it cuts.
 pub(super) const ON_MM: f64 = 0.1;
+const LED_MM: f64 = 0.02;
 /// So many moves are next: what was in hand when the journal was written, and what has come since.
 const NEXT: usize = 3;
 /// How far an axis goes beyond the box of a pass while it brakes, along the thread and across it, mm.
@@ -31,11 +32,18 @@ const SHORT_MM: f64 = 0.1;
 /// One item of the program and where the axes are before it.
 pub(super) type Step = (Item, PerAxis<Position>);
 
-/// The step on which the tool stands: of the next moves behind `known` the one that it is on, or beside which
-/// it may have been braked; else a later one that it is on.
+/// The step on which the tool stands: of the next moves behind `known` the one that it is on; else a later pass
+/// in whose box it is, out of which it is lifted whatever it did there; else the next move beside which it may
+/// have been braked; else a later one that it is on. The journal may be old, so a tool that is not quite on a
+/// contour is taken to be in a groove that lies near it: back along the contour it would cut across the turns.
 pub(super) fn stands_on(steps: &[Step], known: usize, here: &PerAxis<Position>) -> Option<usize> {
     let moves = || steps.iter().enumerate().skip(known).filter(|(_, step)| moves(&step.0));
     let is_on = |(_, step): &(usize, &Step)| off(step, here).is_some_and(|[mm, _]| mm < ON_MM);
+    let is_led = |next: &(usize, &Step)| {
+        let is_cut = !matches!(next.1.0.code, Code::Line { feed: Feed::Rapid, .. });
+        off(next.1, here).is_some_and(|[mm, _]| mm < if is_cut { LED_MM } else { ON_MM })
+    };
+    let in_a_pass = || moves().filter(|(_, step)| matches!(step.0.code, Code::Pass(_))).find(is_on);
     let beside = || {
         let share = |(index, step): (usize, &Step)| {
             let [mm, most_mm] = off(step, here)?;
@@ -44,7 +52,7 @@ pub(super) fn stands_on(steps: &[Step], known: usize, here: &PerAxis<Position>) 
         let nearest = moves().take(NEXT).filter_map(share).min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.map(|(index, _)| index)
     };
-    let near = moves().take(NEXT).find(is_on).map(|(index, _)| index);
+    let near = moves().take(NEXT).find(is_led).or_else(in_a_pass).map(|(index, _)| index);
     let later = || moves().skip(NEXT).find(is_on).map(|(index, _)| index);
     // It was on its way back over a contour, and that was broken off as well.
     let before = || (0..known).rev().find(|index| is_on(&(*index, &steps[*index])));

@@ -26,6 +26,7 @@ mod poles;
 mod presses;
 mod reactions;
 mod resume;
+mod rings;
 mod rotary;
 mod stand;
 mod standstill;
