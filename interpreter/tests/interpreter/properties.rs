@@ -42,8 +42,9 @@ fn effect(before: &str, block: &str) -> String {
 fn refused(before: &str, block: &str) -> bool {
     let program = format!("{before}\n{block}\n{AFTER}\n");
     let line = before.lines().count() as u32 + 1;
-    let diagnostics = check("p", &program, &PLAIN).diagnostics;
-    diagnostics.iter().any(|diagnostic| diagnostic.line == line && diagnostic.severity == Severity::Error)
+    Interpreter::of_text("p", program, &PLAIN)
+        .filter_map(Result::err)
+        .any(|diagnostic| diagnostic.line == line && diagnostic.severity == Severity::Error)
 }
 
 /// A word; M2 and M30 are left out, because after them nothing shows what the words beside them changed.
