@@ -179,6 +179,10 @@ fn acme(cursor: &mut Cursor<'_>, size: InchSize, tpi: f64, at: Range<usize>) -> 
 }
 
 fn whitworth(size: InchSize, tpi: f64, at: Range<usize>) -> Result<Form, Misread> {
+    if let InchSize::Number(number) = size {
+        let help = "only unified threads have numbers for sizes; write it in inches, as in 1/4-20 BSW";
+        return Err(wrong_at(at, format!("BSW has no number {number}"), help));
+    }
     fits(size, tpi, 3.0, at)?;
     Ok(Form::Whitworth(Whitworth { size, tpi }))
 }

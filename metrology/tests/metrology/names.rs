@@ -108,6 +108,7 @@ fn refusals_have_their_place_and_a_remedy() {
         ("1/4-20 UNC-4A", "4A", "1A, 2A, 3A"),
         ("1/4-2 UNS", "1/4-2", "do not fit"),
         ("#7-32 UNC", "#7", "6, 8, 10"),
+        ("#10-32 BSW", "#10-32", "only unified"),
         ("UNC 1/4-20", "UNC", "size comes first"),
         ("1/2-10 ACME-2C", "2C", "centralizing"),
         ("1/2-13 NPT", "1/2-13", "1/2-14 NPT"),
