@@ -158,6 +158,10 @@ fn unified(
         };
         return Err(wrong_at(at, message, help));
     }
+    if let Some(coarse) = size.coarser_than(tpi) {
+        let help = format!("write it in inches, as in {:.3}-{tpi} UNS", size.inches());
+        return Err(wrong_at(at, format!("number {size} has at least {coarse} threads per inch"), help));
+    }
     fits(size, tpi, 3.0, at)?;
     let help = "ASME B1.1 has 1A, 2A, 3A for screws and 1B, 2B, 3B for nuts, as in 2A/2B";
     let found = classes(cursor, 1..=3, "ABab", help)?;
@@ -237,6 +241,7 @@ pub(super) fn pipe_size(
     cursor.spaces();
     let from = cursor.at();
     let written = size::read(cursor)?.to_string();
+    let written = written.strip_suffix(".0").unwrap_or(&written);
     let found = sizes.iter().find(|size| **size == written);
     found.copied().ok_or_else(|| {
         let help = format!("known are {}", list(sizes));

@@ -69,6 +69,13 @@ impl InchSize {
             other => other,
         }
     }
+
+    /// Threads per inch of the coarse series of a small size, if these are fewer: without a number such a size
+    /// would be one of inches.
+    pub(super) fn coarser_than(self, tpi: f64) -> Option<f64> {
+        let InchSize::Number(number) = self else { return None };
+        NUMBERS.iter().find(|(of, _)| *of == number).map(|(_, coarse)| *coarse).filter(|coarse| tpi < *coarse)
+    }
 }
 
 fn is_number(whole: u32, tpi: f64) -> bool {
@@ -85,7 +92,8 @@ impl fmt::Display for InchSize {
             InchSize::Fraction { whole, numerator, denominator } => {
                 write!(f, "{whole} {numerator}/{denominator}")
             }
-            InchSize::Decimal(inches) => write!(f, "{inches}"),
+            // With its point: a whole number without one may be that of a small size.
+            InchSize::Decimal(inches) => write!(f, "{inches:?}"),
         }
     }
 }
