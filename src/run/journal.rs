@@ -9,9 +9,10 @@ use std::{
     path::{Path, PathBuf},
     sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel},
     thread::JoinHandle,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
+use process::ipc::time::Moment;
 use rig::{
     journal::{Book, File, Keeper, Medium, State},
     observe::Record,
@@ -111,25 +112,26 @@ impl Journal {
 /// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what
 /// follows.
 fn write(news: &Receiver<State>, mut book: Book<Spared>) -> io::Result<()> {
-    // When the disk has to be asked; never while all is confirmed.
-    let (mut asked, mut due) = (None::<Instant>, None::<Instant>);
+    // When the disk was asked last, and whether something waits for it.
+    let (mut asked, mut waits) = (None::<Moment>, false);
     // Why the last one could not be written. The next one is tried again: it is a whole state.
     let mut failed = None;
     loop {
-        let came = match due {
-            None => news.recv().map_err(|_| RecvTimeoutError::Disconnected),
-            Some(due) => news.recv_timeout(due.saturating_duration_since(Instant::now())),
+        let rest = asked.map_or(Duration::ZERO, |asked| GATHER.saturating_sub(asked.elapsed()));
+        let came = match waits {
+            false => news.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            true => news.recv_timeout(rest),
         };
         match came {
             Ok(first) => {
                 for state in std::iter::once(first).chain(news.try_iter()) {
                     failed = book.write(&state).err();
                 }
-                due = due.or_else(|| Some(asked.map_or_else(Instant::now, |asked| asked + GATHER)));
+                waits = true;
             }
             Err(RecvTimeoutError::Timeout) => {
                 failed = book.sync().err().or(failed);
-                (asked, due) = (Some(Instant::now()), None);
+                (asked, waits) = (Some(Moment::now()), false);
             }
             Err(RecvTimeoutError::Disconnected) => {
                 let written = failed.map_or(Ok(()), Err);
