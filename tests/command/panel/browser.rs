@@ -212,7 +212,7 @@ fn a_browser_works_by_hand() {
     browser.until_text("mode", "ready");
     browser.value("document.getElementById('block').value = 'G1 Z-1 F0'");
     browser.click("#mdi button");
-    browser.until_text("said", "feed");
+    browser.until_text("said", "F is 0");
     // A key that is held down: Z goes; let go, it stands.
     browser.value("document.getElementById('step').value = ''");
     browser.value("document.getElementById('jog-Z-minus').dispatchEvent(new PointerEvent('pointerdown'))");

@@ -89,7 +89,7 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
         ("mdi", json!("G1 X"), "bad-block", "a value is missing"),
         ("mdi", json!("%\nG0 X0"), "bad-block", "leave it out"),
         ("mdi", json!("G0 Z-1\nG0 Z-1000000"), "bad-block", "travel"),
-        ("mdi", json!("G91 G1 Z1 F0"), "bad-block", "feed"),
+        ("mdi", json!("G91 G1 Z1 F0"), "bad-block", "F is 0"),
         ("mdi", json!("G33 Z-20 K2"), "bad-block", "spindle"),
         ("mdi", json!("M3 S500\nG76 P2 Z-20 I-2 J0.3 K1.2"), "bad-block", "run it as a program"),
         ("jog", json!({ "axis": "Z", "mm_min": 600, "step_mm": 1e4 }), "bad-block", "travel"),
