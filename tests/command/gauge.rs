@@ -154,6 +154,22 @@ fn a_short_pass_hides_no_fault() {
     }
 }
 
+/// A faster finish leaves earlier: the thread is judged where every pass is deep, of whatever tool it is.
+#[test]
+fn a_finish_by_another_tool_at_another_speed_is_judged_where_both_are_deep() {
+    let place = Place::new();
+    let text = std::fs::read_to_string(project().join("examples/two-inserts.ngc")).expect("an example");
+    let (rough, finish) = text.rsplit_once("M3 S400").expect("it finishes at a speed of its own");
+    place.write("faster.ngc", &format!("{rough}M3 S600{finish}"));
+    let answer = run(&place, "faster.ngc", &[]);
+    assert_eq!(
+        (answer.status, &summary(&place)["gauge"]["verdict"]),
+        (Some(0), &"good".into()),
+        "{}",
+        answer.stdout
+    );
+}
+
 #[test]
 fn the_crest_is_what_was_turned_before() {
     let place = Place::new();

@@ -117,6 +117,7 @@ impl Gauged {
             asked,
         };
         let mut lengths_mm = Vec::with_capacity(program.len());
+        let first_mm = program.keys().next().map_or(0.0, |first| gauged.origin_mm(*first)[1]);
         // The form of a tapped thread is that of its tap: nothing of it is in the section of a point.
         for (number, planned) in program.iter().filter(|(_, planned)| !planned.pass.returns()) {
             let edge = edge_of(machine, planned.tool, &gauged.asked.nominal);
@@ -130,7 +131,7 @@ impl Gauged {
             let [x, z] = gauged.origin_mm(*number);
             let is_nut = gauged.asked.nominal.side == Side::Internal;
             gauged.other_side |= planned.pass.cuts_outwards(x).is_some_and(|away| away != is_nut);
-            lengths_mm.push(full_mm(planned, z));
+            lengths_mm.push(full_mm(planned, z, first_mm));
         }
         gauged.full_mm = judged_mm(&lengths_mm);
         gauged.turned = Turned::new(&gauged.asked.nominal, gauged.full_mm);
@@ -289,8 +290,9 @@ fn judged_mm(lengths_mm: &[[f64; 2]]) -> [f64; 2] {
     if lengths_mm.iter().all(meets) { common } else { [0.0; 2] }
 }
 
-/// Where a pass is at full depth on its first lead in the stock, along Z of the program.
-fn full_mm(planned: &Planned, origin_mm: f64) -> [f64; 2] {
+/// Where a pass is at full depth on its first lead in the stock, along Z of the program. Stock that the machine
+/// file tells of does not move with another tool: it lies where the first pass sees it.
+fn full_mm(planned: &Planned, origin_mm: f64, first_origin_mm: f64) -> [f64; 2] {
     let pass = &planned.pass;
     let helix = Helix::of(pass, Axis::Z);
     let locked_deg = pass.axes.iter().map(protocol::AxisLaw::locked_deg).fold(0.0, f64::max);
@@ -299,7 +301,7 @@ fn full_mm(planned: &Planned, origin_mm: f64) -> [f64; 2] {
     let at = |deg: f64| helix.at_mm(deg) - origin_mm;
     let [a, b] = [at(locked_deg), at(pass.thread_end_deg.min(changes).max(locked_deg))];
     let [low, high] = match &planned.stock {
-        Stock::Ends(ends) => ends.map(|end| end - origin_mm),
+        Stock::Ends(ends) => ends.map(|end| end - first_origin_mm),
         Stock::Part(part, _) => part.ends_mm(),
     };
     [a.min(b).max(low), a.max(b).min(high)]
