@@ -70,8 +70,8 @@ impl InchSize {
         }
     }
 
-    /// Threads per inch of the coarse series of a small size, if these are fewer: without a number such a size
-    /// would be one of inches.
+    /// Threads per inch of the coarse series of a small size, if these are fewer: without a number such a
+    /// size would be one of inches.
     pub(super) fn coarser_than(self, tpi: f64) -> Option<f64> {
         let InchSize::Number(number) = self else { return None };
         NUMBERS.iter().find(|(of, _)| *of == number).map(|(_, coarse)| *coarse).filter(|coarse| tpi < *coarse)

@@ -32,10 +32,10 @@ const SHORT_MM: f64 = 0.1;
 /// One item of the program and where the axes are before it.
 pub(super) type Step = (Item, PerAxis<Position>);
 
-/// The step on which the tool stands: of the next moves behind `known` the one that it is on; else a later pass
-/// in whose box it is, out of which it is lifted whatever it did there; else the next move beside which it may
-/// have been braked; else a later one that it is on. The journal may be old, so a tool that is not quite on a
-/// contour is taken to be in a groove that lies near it: back along the contour it would cut across the turns.
+/// The step on which the tool stands: of the next moves behind `known` the one that it is on; else a later
+/// pass in whose box it is, out of which it is lifted whatever it did there; else the next move beside which
+/// it may have been braked; else a later one that it is on. The journal may be old, so a tool that is not
+/// quite on a contour is taken to be in a groove near it: back along the contour it would cut across turns.
 pub(super) fn stands_on(steps: &[Step], known: usize, here: &PerAxis<Position>) -> Option<usize> {
     let moves = || steps.iter().enumerate().skip(known).filter(|(_, step)| moves(&step.0));
     let is_on = |(_, step): &(usize, &Step)| off(step, here).is_some_and(|[mm, _]| mm < ON_MM);

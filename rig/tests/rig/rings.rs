@@ -31,8 +31,8 @@ fn rig(machine: &Machine, items: &[Item]) -> Rig<impl Iterator<Item = Item>, Str
     Rig::new(machine, items.iter().copied(), Scenario::none(), 1).expect("a rig")
 }
 
-/// A run that loses its power behind a cycle and is gone on with, by a journal without its last records; and how
-/// far the tool was moved along in the thread, mm.
+/// A run that loses its power behind a cycle and is gone on with, by a journal without its last records; and
+/// how far the tool was moved along in the thread, mm.
 fn gone_on(machine: &Machine, items: &[Item], at: u64, older: usize) -> (Observation, f64) {
     let mut rig = rig(machine, items);
     let mut keeper = Keeper::new(machine, Origin { seed: 1, ..Origin::default() }, items);

@@ -290,8 +290,8 @@ fn judged_mm(lengths_mm: &[[f64; 2]]) -> [f64; 2] {
     if lengths_mm.iter().all(meets) { common } else { [0.0; 2] }
 }
 
-/// Where a pass is at full depth on its first lead in the stock, along Z of the program. Stock that the machine
-/// file tells of does not move with another tool: it lies where the first pass sees it.
+/// Where a pass is at full depth on its first lead in the stock, along Z of the program. Stock that the
+/// machine file tells of does not move with another tool: it lies where the first pass sees it.
 fn full_mm(planned: &Planned, origin_mm: f64, first_origin_mm: f64) -> [f64; 2] {
     let pass = &planned.pass;
     let helix = Helix::of(pass, Axis::Z);
