@@ -25,7 +25,7 @@ use crate::journal::State;
 pub use reader::Modal;
 use reader::{apart_mm, end};
 pub use retooled::Changed;
-use route::{ON_MM, Step, last_change, moves, stands_on, way_back};
+use route::{ON_MM, Step, last_change, moves, perhaps_in, stands_on, way_back, way_out};
 
 /// A contour that is broken off has at most so many items; so far is looked for the place of the tool.
 const MOST: usize = 1 << 14;
@@ -229,12 +229,19 @@ fn attempt(
         Code::Line { feed: Feed::Rapid, .. } => Stands::OnRapid(line),
         _ => Stands::OnContour(line),
     };
-    if first == last && matches!(stands, Stands::OnRapid(_)) {
+    let groove = perhaps_in(&steps[last..], here);
+    if let Code::Line { target, feed: Feed::Rapid } = code
+        && first == last
+    {
         // Forward, on the way on which it was.
+        let way = groove.map_or_else(|| vec![steps[last].0], |pass| way_out(&pass, line, here, target));
         steps.drain(..=first).for_each(|(item, _)| begin.take(&item));
-        return Ok((Plan::new(begin, &steps, stands, vec![Item { line, code }]), true));
+        return Ok((Plan::new(begin, &steps, stands, way), true));
     }
-    let way = way_back(&steps[..=last], here);
+    let way = match groove {
+        Some(pass) => way_out(&pass, line, here, steps[0].1),
+        None => way_back(&steps[..=last], here),
+    };
     Ok((Plan::new(begin, &steps, stands, way), first == last))
 }
 

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | in the box of a pass | along the axis that lifts it, to where it is clear; along the thread; then to the start |
 //! | on a line or an arc | back on it, to its begin |
+//! | beside a line or an arc, in the box of a later pass | as out of that pass, to where the line leads or the contour begins |
 //!
 //! A line and an arc are followed backwards exactly, so what the tool has cut is free for it.
 
@@ -32,18 +33,11 @@ const SHORT_MM: f64 = 0.1;
 /// One item of the program and where the axes are before it.
 pub(super) type Step = (Item, PerAxis<Position>);
 
-/// The step on which the tool stands: of the next moves behind `known` the one that it is on; else a later
-/// pass in whose box it is, out of which it is lifted whatever it did there; else the next move beside which
-/// it may have been braked; else a later one that it is on. The journal may be old, so a tool that is not
-/// quite on a contour is taken to be in a groove near it: back along the contour it would cut across turns.
+/// The step on which the tool stands: of the next moves behind `known` the one that it is on, or beside which
+/// it may have been braked; else a later one that it is on.
 pub(super) fn stands_on(steps: &[Step], known: usize, here: &PerAxis<Position>) -> Option<usize> {
     let moves = || steps.iter().enumerate().skip(known).filter(|(_, step)| moves(&step.0));
     let is_on = |(_, step): &(usize, &Step)| off(step, here).is_some_and(|[mm, _]| mm < ON_MM);
-    let is_led = |next: &(usize, &Step)| {
-        let is_cut = !matches!(next.1.0.code, Code::Line { feed: Feed::Rapid, .. });
-        off(next.1, here).is_some_and(|[mm, _]| mm < if is_cut { LED_MM } else { ON_MM })
-    };
-    let in_a_pass = || moves().filter(|(_, step)| matches!(step.0.code, Code::Pass(_))).find(is_on);
     let beside = || {
         let share = |(index, step): (usize, &Step)| {
             let [mm, most_mm] = off(step, here)?;
@@ -52,11 +46,23 @@ pub(super) fn stands_on(steps: &[Step], known: usize, here: &PerAxis<Position>) 
         let nearest = moves().take(NEXT).filter_map(share).min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.map(|(index, _)| index)
     };
-    let near = moves().take(NEXT).find(is_led).or_else(in_a_pass).map(|(index, _)| index);
+    let near = moves().take(NEXT).find(is_on).map(|(index, _)| index);
     let later = || moves().skip(NEXT).find(is_on).map(|(index, _)| index);
     // It was on its way back over a contour, and that was broken off as well.
     let before = || (0..known).rev().find(|index| is_on(&(*index, &steps[*index])));
     near.or_else(beside).or_else(later).or_else(before)
+}
+
+/// A later pass in whose groove the tool may stand, though it is beside the first of these steps: the journal
+/// may be old. Back along that step, or on along it, it would cut across the turns.
+pub(super) fn perhaps_in(steps: &[Step], here: &PerAxis<Position>) -> Option<ThreadPass> {
+    let (step, later) = steps.split_first()?;
+    let led_mm = if matches!(step.0.code, Code::Line { feed: Feed::Rapid, .. }) { ON_MM } else { LED_MM };
+    off(step, here).filter(|[mm, _]| *mm > led_mm)?;
+    later.iter().find_map(|(item, _)| match item.code {
+        Code::Pass(pass) => is_in_box(&pass, here).then_some(pass),
+        _ => None,
+    })
 }
 
 /// Whether an item moves the axes.
@@ -166,8 +172,8 @@ impl Way {
         }
     }
 
-    /// Straight out of the groove of a pass, along the thread, to its start.
-    fn out_of(&mut self, pass: &ThreadPass) {
+    /// Straight out of the groove of a pass, along the thread, to a place.
+    fn out_of(&mut self, pass: &ThreadPass, to: PerAxis<Position>) {
         let across = pass.out.axis as usize;
         let out = if pass.out.clear >= pass.out.free { 1.0 } else { -1.0 };
         if out * pass.out.clear.mm_from(self.at[across]) > 0.0 {
@@ -175,11 +181,10 @@ impl Way {
             clear[across] = pass.out.clear;
             self.go(clear, Feed::Rapid);
         }
-        let start = pass.axes.map(|law| law.start);
-        let mut before = start;
+        let mut before = to;
         before[across] = self.at[across];
         self.go(before, Feed::Rapid);
-        self.go(start, Feed::Rapid);
+        self.go(to, Feed::Rapid);
     }
 
     /// Back on an arc to where it begins.
@@ -199,12 +204,25 @@ pub(super) fn way_back(steps: &[Step], here: &PerAxis<Position>) -> Vec<Item> {
     for (item, from) in steps.iter().rev() {
         way.line = item.line;
         match &item.code {
-            Code::Pass(pass) => way.out_of(pass),
+            Code::Pass(pass) => way.out_of(pass, pass.axes.map(|law| law.start)),
             Code::Line { feed: Feed::Rapid, .. } => way.go(*from, Feed::Rapid),
             Code::Line { .. } => way.go(*from, BACK),
             Code::Arc { arc, .. } => way.back_on(arc, from),
             _ => {}
         }
     }
+    way.items
+}
+
+/// The moves of a line of the program that lift a tool straight out of the groove of a pass and lead it to a
+/// place.
+pub(super) fn way_out(
+    pass: &ThreadPass,
+    line: u32,
+    here: &PerAxis<Position>,
+    to: PerAxis<Position>,
+) -> Vec<Item> {
+    let mut way = Way { items: Vec::new(), at: *here, line };
+    way.out_of(pass, to);
     way.items
 }
