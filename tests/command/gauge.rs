@@ -160,7 +160,7 @@ fn a_finish_by_another_tool_at_another_speed_is_judged_where_both_are_deep() {
     let place = Place::new();
     let text = std::fs::read_to_string(project().join("examples/two-inserts.ngc")).expect("an example");
     let (rough, finish) = text.rsplit_once("M3 S400").expect("it finishes at a speed of its own");
-    place.write("faster.ngc", &format!("{rough}M3 S600{finish}"));
+    place.write("faster.ngc", format!("{rough}M3 S600{finish}"));
     let answer = run(&place, "faster.ngc", &[]);
     assert_eq!(
         (answer.status, &summary(&place)["gauge"]["verdict"]),
