@@ -23,7 +23,10 @@ pub(crate) use wait::Wait;
 use machine::{Machine, MachineError};
 use protocol::Payload;
 
-use crate::ipc::{IpcError, Member, Patience, Process, Sender, Undelivered, time};
+use crate::ipc::{
+    IpcError, Member, Patience, Process, Sender, Undelivered, is_orphan,
+    time::{self, Moment, sleep_until},
+};
 
 /// How processes wait for each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -131,6 +134,24 @@ pub fn deliver<T: Payload>(sender: &mut Sender<T>, message: &T) -> Result<(), Sh
             Ok(())
         }
         Err(broken) => Err(broken.into()),
+    }
+}
+
+/// Sends the last message of a channel of the record. The machine rests: there is time to wait for a recorder
+/// that stands, so how a run ended is known however much of it was lost.
+///
+/// # Errors
+/// [`ShellError::Ipc`] if the channel is broken.
+pub(crate) fn deliver_last<T: Payload>(sender: &mut Sender<T>, message: &T) -> Result<(), ShellError> {
+    loop {
+        match sender.send(message) {
+            Err(Undelivered::Full(_)) if !is_orphan() => {
+                sender.comes_again();
+                sleep_until(Moment::now().after(PAUSE));
+            }
+            Ok(()) | Err(Undelivered::Full(_) | Undelivered::Receivers { .. }) => return Ok(()),
+            Err(broken) => return Err(broken.into()),
+        }
     }
 }
 

@@ -15,12 +15,11 @@ use protocol::{
 
 use crate::{
     ipc::{
-        ChannelCount, IpcError, Member, Port, Process, Receiver, Sender, Undelivered, Waker, channel,
-        is_orphan,
-        time::{Moment, lock_memory, sleep_until},
+        ChannelCount, IpcError, Member, Port, Process, Receiver, Sender, Waker, channel, is_orphan,
+        time::{Moment, lock_memory},
     },
     shell::{
-        Beat, Clock, Notes, PAUSE, Pace, ProcessArgs, START_S, ShellError, Wait, deliver, read_text,
+        Beat, Clock, Notes, Pace, ProcessArgs, START_S, ShellError, Wait, deliver, deliver_last, read_text,
         spindle::SpindleCommands,
     },
 };
@@ -241,13 +240,11 @@ impl Ports {
     /// Sends the truth to the recorder, which is woken now and then, and at once if it is wanted.
     fn tell(&mut self, truth: &Truth, wanted: bool) -> Result<(), ShellError> {
         let (cycle, last) = (truth.cycle.0, truth.measurement.last != 0);
-        // The last one ends the record. The machine rests: there is time to wait for a recorder that stands.
-        while last && !is_orphan() && is_full(&mut self.truths, truth)? {
-            self.truths.comes_again();
-            sleep_until(Moment::now().after(PAUSE));
-        }
-        if !last {
-            deliver(&mut self.truths, truth)?;
+        // The last one ends the record.
+        if last {
+            deliver_last(&mut self.truths, truth)?
+        } else {
+            deliver(&mut self.truths, truth)?
         }
         if wanted || last || cycle.is_multiple_of(channel::RECORD_WAKE) {
             self.recorder.wake()?;
@@ -265,15 +262,6 @@ impl Ports {
             self.interpolator.wake()?;
         }
         Ok(())
-    }
-}
-
-/// Sends a message, unless the queue is full.
-fn is_full(sender: &mut Sender<Truth>, truth: &Truth) -> Result<bool, ShellError> {
-    match sender.send(truth) {
-        Ok(()) | Err(Undelivered::Receivers { .. }) => Ok(false),
-        Err(Undelivered::Full(_)) => Ok(true),
-        Err(broken) => Err(broken.into()),
     }
 }
 

@@ -4,7 +4,7 @@ use protocol::{Axis, AxisFrame, Cycle, Input, Measurement};
 
 use crate::{
     ipc::{Member, Port, Process, Receiver, channel, time::Moment},
-    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver},
+    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, deliver_last},
 };
 
 use regulator::{In, Regulator};
@@ -73,10 +73,13 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
         }
         deliver(&mut drive, &out.drive)?;
         plant.wake()?;
-        if args.clock == Clock::Real {
-            deliver(&mut status, &out.status)?;
+        let last = measurement.last != 0;
+        match args.clock {
+            Clock::Virtual => {}
+            Clock::Real if last => deliver_last(&mut status, &out.status)?,
+            Clock::Real => deliver(&mut status, &out.status)?,
         }
-        if measurement.last != 0 {
+        if last {
             break;
         }
     }
