@@ -6,7 +6,7 @@ use protocol::{
 
 use crate::{
     ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
-    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, deliver_last},
+    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, record},
 };
 
 use interpolator::{In, Interpolator};
@@ -100,11 +100,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         let was_finished = interpolator.finished();
         let input = In { measurement: &measurement, axes: &statuses };
         let Some(out) = interpolator.tick(&input) else { continue };
-        if measurement.last != 0 {
-            deliver_last(&mut status, &out.status)?;
-        } else {
-            deliver(&mut status, &out.status)?;
-        }
+        record(&mut status, &out.status, measurement.last != 0)?;
         for to in &mut axes {
             deliver(&mut to.frames, &out.frames[to.axis.index()])?;
             to.regulator.wake()?;

@@ -127,29 +127,26 @@ impl ProcessArgs {
 /// # Errors
 /// [`ShellError::Ipc`] if the channel is broken.
 pub fn deliver<T: Payload>(sender: &mut Sender<T>, message: &T) -> Result<(), ShellError> {
-    match sender.send(message) {
-        Ok(()) | Err(Undelivered::Full(_)) => Ok(()),
-        Err(Undelivered::Receivers { .. }) => {
-            sender.expect_one_less();
-            Ok(())
-        }
-        Err(broken) => Err(broken.into()),
-    }
+    record(sender, message, false)
 }
 
-/// Sends the last message of a channel of the record. The machine rests: there is time to wait for a recorder
-/// that stands, so how a run ended is known however much of it was lost.
+/// The same to the recorder. The last one of a run waits for a recorder that stands, since the machine rests:
+/// how a run ended is known however much of it was lost.
 ///
 /// # Errors
 /// [`ShellError::Ipc`] if the channel is broken.
-pub(crate) fn deliver_last<T: Payload>(sender: &mut Sender<T>, message: &T) -> Result<(), ShellError> {
+pub(crate) fn record<T: Payload>(sender: &mut Sender<T>, message: &T, last: bool) -> Result<(), ShellError> {
     loop {
         match sender.send(message) {
-            Err(Undelivered::Full(_)) if !is_orphan() => {
+            Err(Undelivered::Full(_)) if last && !is_orphan() => {
                 sender.comes_again();
                 sleep_until(Moment::now().after(PAUSE));
             }
-            Ok(()) | Err(Undelivered::Full(_) | Undelivered::Receivers { .. }) => return Ok(()),
+            Ok(()) | Err(Undelivered::Full(_)) => return Ok(()),
+            Err(Undelivered::Receivers { .. }) => {
+                sender.expect_one_less();
+                return Ok(());
+            }
             Err(broken) => return Err(broken.into()),
         }
     }

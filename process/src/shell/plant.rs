@@ -19,7 +19,7 @@ use crate::{
         time::{Moment, lock_memory},
     },
     shell::{
-        Beat, Clock, Notes, Pace, ProcessArgs, START_S, ShellError, Wait, deliver, deliver_last, read_text,
+        Beat, Clock, Notes, Pace, ProcessArgs, START_S, ShellError, Wait, deliver, read_text, record,
         spindle::SpindleCommands,
     },
 };
@@ -240,12 +240,7 @@ impl Ports {
     /// Sends the truth to the recorder, which is woken now and then, and at once if it is wanted.
     fn tell(&mut self, truth: &Truth, wanted: bool) -> Result<(), ShellError> {
         let (cycle, last) = (truth.cycle.0, truth.measurement.last != 0);
-        // The last one ends the record.
-        if last {
-            deliver_last(&mut self.truths, truth)?
-        } else {
-            deliver(&mut self.truths, truth)?
-        }
+        record(&mut self.truths, truth, last)?;
         if wanted || last || cycle.is_multiple_of(channel::RECORD_WAKE) {
             self.recorder.wake()?;
         }

@@ -4,7 +4,7 @@ use protocol::{Axis, AxisFrame, Cycle, Input, Measurement};
 
 use crate::{
     ipc::{Member, Port, Process, Receiver, channel, time::Moment},
-    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, deliver_last},
+    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, record},
 };
 
 use regulator::{In, Regulator};
@@ -74,10 +74,8 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
         deliver(&mut drive, &out.drive)?;
         plant.wake()?;
         let last = measurement.last != 0;
-        match args.clock {
-            Clock::Virtual => {}
-            Clock::Real if last => deliver_last(&mut status, &out.status)?,
-            Clock::Real => deliver(&mut status, &out.status)?,
+        if args.clock == Clock::Real {
+            record(&mut status, &out.status, last)?;
         }
         if last {
             break;
