@@ -13,7 +13,6 @@ mod view;
 mod web;
 
 use std::{
-    hash::BuildHasher as _,
     net::TcpListener,
     os::{
         fd::AsFd as _,
@@ -132,8 +131,8 @@ impl Empty {
     fn new(asked: &RunArgs) -> Result<Empty, CliError> {
         let (machine, _) = asked.machine.read()?;
         // A name that nobody can foresee, and take.
-        let random = std::hash::RandomState::new().hash_one(std::process::id());
-        let folder = std::env::temp_dir().join(format!("pitchlock-by-hand-{random:016x}"));
+        let name = format!("pitchlock-by-hand-{:016x}", process::ipc::unforeseen());
+        let folder = std::env::temp_dir().join(name);
         let path = folder.join(args::BY_HAND);
         let failed =
             |error: &dyn std::fmt::Display| CliError::Machine(format!("{}: {error}", path.display()));

@@ -3,7 +3,7 @@
 
 use std::{io::Write as _, process::Command};
 
-use rig::observe::Outcome;
+use rig::observe::{Outcome, Summary};
 
 use crate::endings::{ATTEMPTS, PIPE, command, ends, runs, slow_machine, summary, was_busy};
 use crate::shop::{Place, signal, wait_s};
@@ -42,22 +42,28 @@ fn in_lock_step_a_launcher_that_stood_changes_no_cycle() {
     assert!(stood.channels.iter().all(|channel| channel.lost == 0), "{:?}", stood.channels);
 }
 
+/// A run in real time whose launcher stands for so long, and goes on then.
+fn stood_in_real_time(place: &Place, text: &str, stopped_s: f64) -> Summary {
+    let (mut command, _unread) = unread(command(place, text, &slow_machine()));
+    let mut launcher = command.args(["--clock", "real"]).spawn().expect("it starts");
+    runs(place);
+    signal(launcher.id(), "STOP");
+    wait_s(stopped_s);
+    signal(launcher.id(), "CONT");
+    assert!(ends(&mut launcher, 60.0), "it does not end");
+    let summary = summary(&place.at("run"));
+    assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
+    assert!(was_busy(&summary) || summary.outcome == Outcome::Completed, "{:?}", summary.faults);
+    summary
+}
+
 #[test]
 fn in_real_time_a_launcher_that_stood_loses_records_and_nothing_else() {
     let stopped_s = stopped_s(6.5);
     let text = format!("G18 G21 G90 G8 G94\nG0 X50 Z90\nG4 P{:.1}\nG1 X49 F600\nM2\n", stopped_s + 2.5);
     let attempt = || {
         let place = Place::new();
-        let (mut command, _unread) = unread(command(&place, &text, &slow_machine()));
-        let mut launcher = command.args(["--clock", "real"]).spawn().expect("it starts");
-        runs(&place);
-        signal(launcher.id(), "STOP");
-        wait_s(stopped_s);
-        signal(launcher.id(), "CONT");
-        assert!(ends(&mut launcher, 60.0), "it does not end");
-        let summary = summary(&place.at("run"));
-        assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
-        assert!(was_busy(&summary) || summary.outcome == Outcome::Completed, "{:?}", summary.faults);
+        let summary = stood_in_real_time(&place, &text, stopped_s);
         let truth = summary.channels.iter().find(|channel| channel.name == "truth").expect("it is counted");
         // Each cycle is recorded or counted as lost.
         let kept = std::fs::read_to_string(place.at("run/arrivals.txt")).expect("it is there");

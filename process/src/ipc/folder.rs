@@ -12,7 +12,7 @@
 
 use std::{
     fs::{self, File},
-    hash::{BuildHasher, Hasher},
+    hash::BuildHasher as _,
     io::{ErrorKind, Read, Write},
     os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt},
     path::{Path, PathBuf},
@@ -209,11 +209,15 @@ fn own_folder(base: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Eight digits that nobody can foresee.
+/// A number that nobody can foresee: for a name that nobody else has taken before.
+#[must_use]
+pub fn unforeseen() -> u64 {
+    std::hash::RandomState::new().hash_one(getpid().as_raw_pid())
+}
+
+/// Eight such digits.
 fn random() -> String {
-    let mut random = std::hash::RandomState::new().build_hasher();
-    random.write_i32(getpid().as_raw_pid());
-    format!("{:08x}", random.finish() as u32)
+    format!("{:08x}", unforeseen() as u32)
 }
 
 /// Takes the shared lock. Somebody who wipes may have been faster; then the marker is locked, or has no name

@@ -50,6 +50,7 @@ mod wake;
 
 pub use channel::{Channel, Keep};
 pub use count::{ChannelCount, of_the_living, total};
+pub use folder::unforeseen;
 pub use member::Member;
 pub use name_space::NameSpace;
 pub use orphan::is_orphan;

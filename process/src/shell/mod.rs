@@ -130,8 +130,7 @@ pub fn deliver<T: Payload>(sender: &mut Sender<T>, message: &T) -> Result<(), Sh
     record(sender, message, false)
 }
 
-/// The same to the recorder. The last one of a run waits for a recorder that stands, since the machine rests:
-/// how a run ended is known however much of it was lost.
+/// The same to the recorder. The last one of a run waits for a recorder that stands, since the machine rests.
 ///
 /// # Errors
 /// [`ShellError::Ipc`] if the channel is broken.

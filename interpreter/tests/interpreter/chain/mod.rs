@@ -260,17 +260,20 @@ fn a_chain_travels_as_one_item() {
     assert!(packet.as_bytes().len() < 400, "{}", packet.as_bytes().len());
 }
 
+/// A program with one error, which stands in a line and has these words in its message and its help.
+fn refused(program: &str, line: u32, message: &str, help: &str) {
+    let check = check("t.ngc", program, &Machine::plain());
+    let errors: Vec<_> = check.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
+    assert_eq!(errors.len(), 1, "{program}: {errors:?}");
+    let error = errors[0];
+    assert_eq!(error.line, line, "{error:?}");
+    assert!(error.message.contains(message) && error.help.contains(help), "{error:?}");
+}
+
 #[test]
 fn what_is_no_chain_is_refused_with_a_remedy() {
-    let refused = |source: &str, line: u32, message: &str, help: &str| {
-        let source = format!("S400 M3\nG0 X20 Z5\n{source}G0 X35\nM2\n");
-        let check = check("t.ngc", &source, &Machine::plain());
-        let errors: Vec<_> =
-            check.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
-        assert_eq!(errors.len(), 1, "{source}: {errors:?}");
-        let error = errors[0];
-        assert_eq!(error.line, line, "{error:?}");
-        assert!(error.message.contains(message) && error.help.contains(help), "{error:?}");
+    let refused = |blocks: &str, line: u32, message: &str, help: &str| {
+        refused(&format!("S400 M3\nG0 X20 Z5\n{blocks}G0 X35\nM2\n"), line, message, help);
     };
     refused("G33 Z-20 K2\nG33 Z-10 K2\n", 4, "goes one way along Z", "put a G0 between");
     refused("G33 Z-20 K2\nG33 X30 K2\n", 4, "goes one way along Z", "put a G0 between");

@@ -1,11 +1,8 @@
 //! Leads by a table: Z against the lead integrated over the angle by nothing but its meaning.
 
-use gcode::problem::Severity;
-use interpreter::check;
-use machine::Machine;
 use protocol::{Axis, ThreadPass};
 
-use super::{fanuc, only_pass, turn_deg};
+use super::{fanuc, only_pass, refused, turn_deg};
 use crate::good;
 
 /// Z and lead of each row, in the order of the cut.
@@ -116,15 +113,8 @@ fn both_dialects_read_a_table_on_a_cone() {
 
 #[test]
 fn what_is_no_table_is_refused_with_a_remedy() {
-    let refused = |source: &str, line: u32, message: &str, help: &str| {
-        let source = format!("G7 S300 M3\nG0 X40 Z5\n{source}\nG0 X70\nM2\n");
-        let check = check("t.ngc", &source, &Machine::plain());
-        let errors: Vec<_> =
-            check.diagnostics.iter().filter(|found| found.severity == Severity::Error).collect();
-        assert_eq!(errors.len(), 1, "{source}: {errors:?}");
-        let error = errors[0];
-        assert_eq!(error.line, line, "{error:?}");
-        assert!(error.message.contains(message) && error.help.contains(help), "{error:?}");
+    let refused = |blocks: &str, line: u32, message: &str, help: &str| {
+        refused(&format!("G7 S300 M3\nG0 X40 Z5\n{blocks}\nG0 X70\nM2\n"), line, message, help);
     };
     for (told, message) in [
         ("(lead_table)", "a comma is missing"),
