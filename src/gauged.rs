@@ -3,8 +3,9 @@
 
 use clap::Args;
 use gauge::{Nominal, Side};
+use rig::observe::{GaugeAsked, GrooveAsked, Observer};
 
-use crate::{error::CliError, thread};
+use crate::{error::CliError, program::Program, thread};
 
 /// Which gauge judges the thread.
 #[derive(Clone, Debug, Args)]
@@ -24,6 +25,20 @@ impl GaugeArgs {
         let read = |name: &String| name.parse().map_err(|misread| thread::refused(name, &misread));
         self.gauge.as_ref().map(read).transpose()
     }
+}
+
+/// An observer with the gauge for the thread of a program and the drawing of its groove, if there are such.
+pub(crate) fn holds(program: &Program, observer: Observer) -> Observer {
+    let origins_mm = || {
+        let passes = program.check.iter().flat_map(|check| &check.passes);
+        passes.map(|note| (note.pass, note.origin_mm)).collect()
+    };
+    let observer = match program.check.as_ref().and_then(|check| check.groove.clone()) {
+        Some(drawn) => observer.with_groove(GrooveAsked { drawn, origins_mm: origins_mm() }),
+        None => observer,
+    };
+    let Some(nominal) = program.gauge.clone() else { return observer };
+    observer.with_gauge(GaugeAsked { nominal, origins_mm: origins_mm() })
 }
 
 /// What a gauge asks, for people.

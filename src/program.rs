@@ -9,10 +9,10 @@ use protocol::{
     Arc, ByHand, Code, Item, PerAxis, Position,
     code_file::{CodeFile, CodeReader},
 };
-use rig::observe::{GaugeAsked, Message, Observer, ProgramWarning, Watch};
+use rig::observe::{Message, Observer, ProgramWarning, Watch};
 use route::{Course, Route};
 
-use crate::{error::CliError, repeated, screen, words::Phase};
+use crate::{error::CliError, gauged, repeated, screen, words::Phase};
 
 /// A program that was read.
 pub(crate) struct Program {
@@ -178,7 +178,7 @@ impl Program {
     /// Who observes a run of it.
     pub(crate) fn observer(&self, machine: &Machine) -> Observer {
         let observer = Observer::new(machine, &self.watched);
-        let Some(check) = &self.check else { return self.gauged(observer) };
+        let Some(check) = &self.check else { return gauged::holds(self, observer) };
         let origins = check.passes.iter().map(|note| (note.pass, note.origin_mm)).collect();
         let observer = match &check.part {
             Some(part) => observer.of_part(part, &origins),
@@ -193,15 +193,7 @@ impl Program {
             tool.origin_mm = check.origins_mm.get(&number).copied();
             tool.diameter_mm = check.diameters_mm.get(&number).copied();
         });
-        self.gauged(observer)
-    }
-
-    /// The same with the gauge for its thread, if there is one.
-    fn gauged(&self, observer: Observer) -> Observer {
-        let Some(nominal) = self.gauge.clone() else { return observer };
-        let passes = self.check.iter().flat_map(|check| &check.passes);
-        let origins_mm = passes.map(|note| (note.pass, note.origin_mm)).collect();
-        observer.with_gauge(GaugeAsked { nominal, origins_mm })
+        gauged::holds(self, observer)
     }
 
     /// Files that were read besides the program.

@@ -17,10 +17,12 @@
 //! | `window.rs` | the longest and shortest over any length of a gauge |
 //! | `judge.rs`, `causes.rs` | GO, NO-GO, and which cause weighs most |
 //! | `reason.rs` | that in words |
+//! | `drawn/` | a groove as a drawing has it, whatever its lead does, and what was cut held against it |
 //! | `pickup.rs` | where a thread that is there lies, from touches of a probe |
 #![forbid(unsafe_code)]
 
 mod causes;
+mod drawn;
 mod edge;
 mod groove;
 mod helix;
@@ -31,6 +33,7 @@ mod reason;
 mod section;
 mod window;
 
+pub use drawn::{Drawn, DrawnReport, DrawnSide, Spot, judge_drawn};
 pub use edge::Edge;
 pub use judge::{Report, Verdict, judge};
 pub use metrology::{Misread, Side};

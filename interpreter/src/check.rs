@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use gauge::Nominal;
+use gauge::{Drawn, Nominal};
 use gcode::{Diagnostic, Outlasting, Program, Severity};
 use machine::{Machine, Part};
 use protocol::{Code, Item};
@@ -42,6 +42,8 @@ pub struct Check {
     pub diameters_mm: BTreeMap<u32, f64>,
     /// What a gauge asks of the thread, if somebody said which thread it is.
     pub gauge: Option<Nominal>,
+    /// The groove that it draws, if it draws one.
+    pub groove: Option<Drawn>,
     /// What it tells its operator.
     pub messages: Vec<MessageNote>,
     /// Files that were read besides the program.
@@ -142,6 +144,7 @@ pub fn check_while(
     check.origins_mm = interpreter.origins_mm().clone();
     check.diameters_mm = diameters_mm(interpreter.program());
     check.gauge = interpreter.gauge().cloned();
+    check.groove = interpreter.groove().cloned();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();
     check.outlasting = interpreter.program().outlasting();

@@ -62,7 +62,7 @@ mod translate;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use gauge::Nominal;
+use gauge::{Drawn, Nominal};
 use gcode::problem::Blame;
 use gcode::{Place, Problem, Program, Step};
 use machine::{Machine, Part};
@@ -175,6 +175,11 @@ impl Interpreter {
     /// What a gauge asks of the thread, if somebody said which thread it is.
     pub fn gauge(&self) -> Option<&Nominal> {
         self.translator.gauged().nominal()
+    }
+
+    /// The groove that the program draws, if it draws one.
+    pub fn groove(&self) -> Option<&Drawn> {
+        self.translator.gauged().drawn()
     }
 
     /// The program, for its parameters and tools at the end.

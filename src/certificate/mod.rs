@@ -138,11 +138,18 @@ pub(crate) fn certify(
         outcome: summary.outcome,
         verdict: summary.part.verdict,
         reasons: summary.part.reasons.clone(),
-        gauge: summary.gauge.as_ref().map(|gauge| gauge.sentence()),
+        gauge: judges(&summary),
         notes: remarks,
         passes,
         taps,
     }))
+}
+
+/// What the gauge and the drawing of the groove say, if there is one of them.
+fn judges(summary: &Summary) -> Option<String> {
+    let gauge = summary.gauge.iter().map(|gauge| gauge.sentence());
+    let groove = summary.groove.iter().map(|groove| format!("groove {}", groove.sentence()));
+    gauge.chain(groove).reduce(|all, more| format!("{all}; {more}"))
 }
 
 /// The run; and whether it had to be broken off.

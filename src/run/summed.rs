@@ -180,6 +180,9 @@ fn threads(text: &mut String, summary: &Summary) {
 
 /// What the gauge says.
 fn gauged(text: &mut String, summary: &Summary) {
+    if let Some(groove) = &summary.groove {
+        let _ = writeln!(text, "groove    {}", groove.sentence());
+    }
     let Some(gauge) = &summary.gauge else { return };
     let _ = writeln!(text, "gauge     {}", gauge.sentence());
     for note in &gauge.notes {

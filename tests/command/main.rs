@@ -14,6 +14,7 @@ mod computer;
 mod deaths;
 mod determinism;
 mod dialects;
+mod drawn;
 mod editor;
 mod endings;
 mod experiments;

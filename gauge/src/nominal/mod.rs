@@ -136,8 +136,9 @@ impl Nominal {
         self.flank_deg.map(|deg| libm::tan(deg.to_radians()))
     }
 
-    /// T.
-    pub(crate) fn tangent(&self) -> f64 {
+    /// T, tangents of both flanks together.
+    #[must_use]
+    pub fn tangent(&self) -> f64 {
         self.tangents().iter().sum()
     }
 
@@ -154,7 +155,8 @@ impl Nominal {
     }
 
     /// 1 of a screw, −1 of a nut.
-    pub(crate) fn sign(&self) -> f64 {
+    #[must_use]
+    pub fn sign(&self) -> f64 {
         match self.side {
             Side::External => 1.0,
             Side::Internal => -1.0,

@@ -2,6 +2,7 @@
 
 mod border;
 mod counterpart;
+mod drawn;
 mod made;
 mod named;
 mod pickup;

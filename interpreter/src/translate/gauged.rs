@@ -10,7 +10,7 @@
 
 use std::collections::BTreeSet;
 
-use gauge::{Nominal, Side};
+use gauge::{Drawn, Nominal, Side};
 use gcode::canon::Units;
 use gcode::problem::Blame;
 use gcode::{Place, Problem};
@@ -48,9 +48,9 @@ pub(crate) struct Gauged {
     /// Asked for with the run: the program is not asked then.
     asked: Option<Nominal>,
     said: Option<(Nominal, Place)>,
+    /// The groove that is drawn.
+    drawn: Option<Drawn>,
     kinds: Vec<Kind>,
-    /// There is a tap.
-    taps: bool,
     /// The insert that the program was written for.
     pub(super) written: Written,
 }
@@ -64,6 +64,30 @@ impl Gauged {
     /// What will judge.
     pub(crate) fn nominal(&self) -> Option<&Nominal> {
         self.asked.as_ref().or(self.said.as_ref().map(|(nominal, _)| nominal))
+    }
+
+    /// The groove that is drawn.
+    pub(crate) fn drawn(&self) -> Option<&Drawn> {
+        self.drawn.as_ref()
+    }
+
+    /// A comment may draw the groove.
+    fn drawing(&mut self, text: &str) -> Done {
+        let wrong = |message: String, help: &str| Problem::error("bad-groove", Blame::Block, message, help);
+        let Some((_, told)) = text.trim().split_once(',').filter(|(word, _)| word.trim_end() == "groove" || word.trim_end() == "GROOVE") else {
+            return Ok(());
+        };
+        let drawn: Drawn = told.parse().map_err(|misread: gauge::Misread| wrong(misread.message, &misread.help))?;
+        match &self.drawn {
+            Some(before) if *before != drawn => {
+                let help = "draw one groove: all passes of a program are held against it";
+                Err(wrong("another groove is drawn before".into(), help))
+            }
+            _ => {
+                self.drawn = Some(drawn);
+                Ok(())
+            }
+        }
     }
 
     /// A comment may name the thread.
@@ -105,12 +129,8 @@ impl Gauged {
 
     /// A pass whose zero lies at `origin`.
     fn pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
-        if pass.returns() {
-            self.taps = true;
-            return;
-        }
-        let side =
-            pass.cuts_outwards(origin.x).map(|away| if away { Side::Internal } else { Side::External });
+        let outwards = if pass.returns() { Some(true) } else { pass.cuts_outwards(origin.x) };
+        let side = outwards.map(|away| if away { Side::Internal } else { Side::External });
         let (lead_mm, grows) = (pass.lead_mm.abs(), pass.lead_mm * pass.direction > 0.0);
         let along = pass.axis(pass.along());
         let locked_deg = along.run_in_c0_deg + along.run_in_dc_deg;
@@ -130,16 +150,8 @@ impl Gauged {
     pub(crate) fn misses(&self, end: Place) -> Option<(Place, Box<Problem>)> {
         let nominal = self.nominal().filter(|_| self.kinds.is_empty())?;
         let place = self.said.as_ref().filter(|_| self.asked.is_none()).map_or(end, |(_, place)| *place);
-        let (what, help) = match self.taps {
-            true => (
-                "taps only: the form of a thread is that of its tap, and no gauge judges it",
-                "leave out (thread, ...) and --gauge; how far a tap strays from its helix is in the report",
-            ),
-            false => {
-                ("cuts no thread", "cut it by G33, G32, G76 or G92, or leave out (thread, ...) and --gauge")
-            }
-        };
-        let message = format!("a gauge is asked for {}, and the program {what}", nominal.name);
+        let help = "cut it by G33, G32, G76, G92 or a tap, or leave out (thread, ...) and --gauge";
+        let message = format!("a gauge is asked for {}, and the program cuts no thread", nominal.name);
         Some((place, Problem::warning("gauge-differs", Blame::Line(place.line), message, help)))
     }
 
@@ -210,6 +222,7 @@ impl Translator {
             return Ok(());
         }
         self.take_insert(text)?;
+        self.gauged.drawing(text)?;
         self.gauged.comment(text, self.place())
     }
 

@@ -7,6 +7,11 @@ use super::verdict::{Grade, Verdict};
 
 /// A sentence; reasons against the part are said with those of the part.
 pub(super) fn says(summary: &Summary, verdict: &mut Verdict) {
+    if let Some(groove) = summary.groove.as_ref().filter(|groove| groove.verdict != PartVerdict::Bad) {
+        let good = groove.verdict == PartVerdict::Good;
+        let grade = if good { Grade::Good } else { Grade::Look };
+        verdict.say(grade, format!("Groove: {}.", groove.sentence()));
+    }
     let Some(gauge) = &summary.gauge else { return };
     match gauge.verdict {
         PartVerdict::Good => verdict.say(Grade::Good, format!("Gauge: {}.", gauge.sentence())),

@@ -15,6 +15,7 @@ impl Observer {
             self.rings.part_from(gauged);
             gauged.cycle(pass.pass(), truth);
         }
+        self.grooved.iter_mut().for_each(|grooved| grooved.cycle(pass.pass(), truth));
         let origin_mm = pass.origin_mm().map_or(0.0, |[_, z]| z);
         let tool = Coasting { pass: pass.pass().pass, origin_mm, off_helix: pass.off_helix(truth) };
         self.rings.coast(tool, truth, self.out.part_error_um);
@@ -32,6 +33,10 @@ impl Observer {
             self.gauged = before.gauged;
             self.gauged.iter_mut().for_each(|gauged| gauged.goes_on(&now, in_place_mm));
         }
+        self.grooved = match (self.grooved.take(), before.grooved) {
+            (Some(now), Some(before)) => Some(before.goes_on(&now)),
+            (now, _) => now,
+        };
         self.earlier = before.earlier;
         self.earlier.append(&mut before.out.passes);
         self

@@ -46,6 +46,8 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
     reasons.extend(threads(summary, error_um));
     let gauge = summary.gauge.iter().filter(|gauge| gauge.verdict == PartVerdict::Bad);
     reasons.extend(gauge.flat_map(|gauge| gauge.reasons.iter().map(|why| format!("{}: {why}", gauge.name))));
+    let groove = summary.groove.iter().filter(|groove| groove.verdict == PartVerdict::Bad);
+    reasons.extend(groove.flat_map(|groove| groove.reasons.iter().map(|why| format!("the groove: {why}"))));
     for trace in summary.traces.iter().filter(|trace| trace.is_wrong()) {
         reasons.push(format!(
             "in line {} the commanded path itself is {:.2} µm off, more than the chord error of {:.2} µm allows: the \
@@ -56,7 +58,8 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
         ));
     }
     let judges = !summary.traces.is_empty() || summary.touched().next().is_some();
-    let undecided = summary.gauge.iter().any(|gauge| gauge.verdict == PartVerdict::None);
+    let undecided = summary.gauge.iter().any(|gauge| gauge.verdict == PartVerdict::None)
+        || summary.groove.iter().any(|groove| groove.verdict == PartVerdict::None);
     let verdict = match (reasons.is_empty(), judges && !undecided) {
         (false, _) => PartVerdict::Bad,
         (true, true) => PartVerdict::Good,

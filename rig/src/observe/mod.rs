@@ -16,6 +16,7 @@ mod cutting;
 mod faults;
 mod full;
 mod gauged;
+mod gauges;
 mod going_on;
 mod helix;
 mod inside;
@@ -48,14 +49,14 @@ mod workshop;
 use std::collections::BTreeMap;
 
 use machine::{Machine, Part};
-use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, Motion, PerAxis, Truth};
+use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, PerAxis, Truth};
 use zerocopy::IntoBytes;
 
 pub use channels::Channel;
 pub use circle::Watch;
 pub(crate) use contour::contour_error_mm;
 pub use cutting::{CuttingReport, power_kw};
-pub use gauged::{GaugeAsked, GaugeLimits, GaugeReport};
+pub use gauged::{GaugeAsked, GaugeLimits, GaugeReport, GrooveAsked, GrooveReport};
 pub use inside::TOOL_IN_THREAD;
 pub use judged::PartReport;
 pub use led::Led;
@@ -81,7 +82,7 @@ use bus::Bus;
 use circle::Circles;
 use contour::Contour;
 use corrected::Corrected;
-use gauged::Gauged;
+use gauged::{Gauged, Grooved};
 use inside::Inside;
 use led::Setpoints;
 use limits::Limits;
@@ -124,6 +125,7 @@ pub struct Observer {
     earlier: Vec<PassReport>,
     rings: Rings,
     gauged: Option<Gauged>,
+    grooved: Option<Grooved>,
     index_number: u64,
     index_deg: f64,
     hash: blake3::Hasher,
@@ -162,6 +164,7 @@ impl Observer {
             earlier: Vec::new(),
             rings: Rings::default(),
             gauged: None,
+            grooved: None,
             index_number: 0,
             index_deg: 0.0,
             hash: blake3::Hasher::new(),
@@ -214,16 +217,6 @@ impl Observer {
         self
     }
 
-    /// The same observer with a gauge for the thread; after [`Observer::of_part`], if there is one.
-    ///
-    /// # Panics
-    /// If no gauge can be made of what is asked: see [`gauge::Nominal::check`].
-    #[must_use]
-    pub fn with_gauge(mut self, asked: GaugeAsked) -> Observer {
-        self.gauged = Some(Gauged::new(&self.machine, &self.program, asked));
-        self
-    }
-
     /// The same observer for whoever makes many runs and asks how they ended: with the outcome, the faults
     /// and the passes, without the hash of the run and what is measured of timed motion.
     #[must_use]
@@ -256,16 +249,6 @@ impl Observer {
         self.messages.cycle(record.truth.cycle.0, record.machine);
         self.pending = record.truth.pending;
         self.take_faults(record);
-    }
-
-    /// What a tool turns before the thread is gauged.
-    fn take_turned(&mut self, truth: &Truth) {
-        let Some(_) = &self.gauged else { return };
-        let Led { tool, motion } = self.setpoints.now();
-        let origin_mm = self.out.tools.get(&tool).and_then(|tool| tool.origin_mm);
-        for gauged in self.gauged.iter_mut().chain(self.rings.gauges()) {
-            gauged.turns(motion == Motion::Feed, origin_mm, truth);
-        }
     }
 
     /// Where the program wants an axis in the cycle taken last, mm: in a pass the law at the true spindle
@@ -306,6 +289,7 @@ impl Observer {
         (self.out.outputs, self.out.analog_outputs, self.out.inputs) = self.outputs.finish();
         self.out.messages = self.messages.told;
         self.out.gauge = self.gauged.as_ref().map(Gauged::report);
+        self.out.groove = self.grooved.as_ref().map(Grooved::report);
         self.out
     }
 
@@ -346,6 +330,7 @@ impl Observer {
         if let Some(pass) = &self.current {
             let gauges = self.gauged.iter_mut().chain(self.rings.gauges());
             gauges.for_each(|gauged| gauged.cycle(pass.pass(), record.truth));
+            self.grooved.iter_mut().for_each(|grooved| grooved.cycle(pass.pass(), record.truth));
         }
         if self.current.as_mut().is_some_and(|pass| !pass.cycle(record, index_deg, is_tick)) {
             self.close();
@@ -355,6 +340,7 @@ impl Observer {
     fn close(&mut self) {
         let Some(pass) = self.current.take() else { return };
         self.gauged.iter_mut().chain(self.rings.gauges()).for_each(Gauged::pass_ends);
+        self.grooved.iter_mut().for_each(Grooved::pass_ends);
         let report = pass.finish();
         report.iter().for_each(|report| self.inside.ends(*pass.pass(), report.complete));
         report.iter().for_each(|report| self.threads.take(report, pass.depth()));

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use protocol::Axis;
 
 use super::{
-    AnalogReport, AxisLimits, FaultReport, GaugeReport, MessageReport, MovesReport, Outcome, PassReport,
+    AnalogReport, AxisLimits, FaultReport, GaugeReport, GrooveReport, MessageReport, MovesReport, Outcome, PassReport,
     PauseReport, ResumedReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport,
     VERSION, judged::judged,
 };
@@ -31,6 +31,8 @@ pub struct Observation {
     pub resumed: Option<ResumedReport>,
     /// What the gauge says, if one was asked for.
     pub gauge: Option<GaugeReport>,
+    /// What becomes of the groove that the program draws, if it draws one.
+    pub groove: Option<GrooveReport>,
     /// Timed motion.
     pub moves: MovesReport,
     /// Contours, surfaces and seams in the order of their cutting.
@@ -83,6 +85,7 @@ impl Observation {
             resumed: self.resumed,
             thread: self.thread,
             gauge: self.gauge,
+            groove: self.groove,
             moves: self.moves,
             traces: self.traces,
             traces_left_out: self.traces_left_out,

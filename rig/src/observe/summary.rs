@@ -9,7 +9,7 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AnalogReport, Channel, CuttingReport, GaugeReport, LimitsUsed, MessageReport, PartReport, PauseReport,
+    AnalogReport, Channel, CuttingReport, GaugeReport, GrooveReport, LimitsUsed, MessageReport, PartReport, PauseReport,
     ProgramWarning, ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport,
     TraceReport,
 };
@@ -326,6 +326,9 @@ pub struct Summary {
     /// What the gauge says, if one was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gauge: Option<GaugeReport>,
+    /// What becomes of the groove that the program draws, if it draws one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub groove: Option<GrooveReport>,
     /// Whether the part is good.
     #[serde(default)]
     pub part: PartReport,

@@ -18,7 +18,10 @@
 //! Nothing is kept unless somebody asks for a gauge. Then n is 72, or as many as [`PLACES`] has room for, at
 //! least [`LEAST`]; beyond that there is no verdict.
 
+mod crossings;
+mod drawn;
 mod report;
+mod tapped;
 mod turned;
 
 use std::{borrow::Cow, collections::BTreeMap};
@@ -27,7 +30,11 @@ use gauge::{Edge, Nominal, Place, Sections, Side};
 use machine::Machine;
 use protocol::{Axis, ThreadPass, Truth};
 
+use crossings::Crossings;
+pub(super) use drawn::Grooved;
+pub use drawn::{GrooveAsked, GrooveReport};
 pub use report::{GaugeLimits, GaugeReport};
+use tapped::Tap;
 use turned::Turned;
 
 use super::{
@@ -60,14 +67,6 @@ pub struct GaugeAsked {
     pub origins_mm: BTreeMap<u32, [f64; 2]>,
 }
 
-/// Where a tip was, and at which angle.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    pass: u32,
-    deg: f64,
-    tip: [f64; 2],
-}
-
 /// Collects the places of the tip.
 #[derive(Clone, Debug)]
 pub(super) struct Gauged {
@@ -77,7 +76,9 @@ pub(super) struct Gauged {
     edges: BTreeMap<u32, usize>,
     /// Where the thread is judged, along Z.
     full_mm: [f64; 2],
-    before: Option<Seen>,
+    crossings: Crossings,
+    /// The taps of passes that return.
+    taps: BTreeMap<u32, Tap>,
     kept: usize,
     is_full: bool,
     /// Highest number of a pass that was begun.
@@ -97,7 +98,10 @@ impl Gauged {
     pub(super) fn new(machine: &Machine, program: &BTreeMap<u32, Planned>, asked: GaugeAsked) -> Gauged {
         let turns: f64 = program.values().map(|planned| planned.pass.done_deg() / 360.0).sum();
         let room = PLACES as f64 / (SPARE * turns.max(1.0));
+        let taps = program.values().any(|planned| planned.pass.returns());
+        let room = if taps { room / tapped::TEETH as f64 } else { room };
         let stations = (room as usize).clamp(LEAST, STATIONS);
+        let stations = if taps { stations - stations % tapped::FLUTES } else { stations };
         let per_station = (SPARE * turns) as usize + 1;
         let mut gauged = Gauged {
             sections: Sections {
@@ -106,7 +110,8 @@ impl Gauged {
             },
             edges: BTreeMap::new(),
             full_mm: [0.0; 2],
-            before: None,
+            crossings: Crossings::new(stations),
+            taps: BTreeMap::new(),
             kept: 0,
             is_full: false,
             begun: 0,
@@ -118,9 +123,15 @@ impl Gauged {
         };
         let mut lengths_mm = Vec::with_capacity(program.len());
         let first_mm = program.keys().next().map_or(0.0, |first| gauged.origin_mm(*first)[1]);
-        // The form of a tapped thread is that of its tap: nothing of it is in the section of a point.
-        for (number, planned) in program.iter().filter(|(_, planned)| !planned.pass.returns()) {
-            let edge = edge_of(machine, planned.tool, &gauged.asked.nominal);
+        for (number, planned) in program {
+            let (nominal, pass) = (&gauged.asked.nominal, &planned.pass);
+            let tap = Tap::of(nominal, pass, stations);
+            let edge = match (&tap, pass.returns()) {
+                (Some(_), _) => Tap::edge(nominal),
+                // No tap cuts such a thread.
+                (None, true) => continue,
+                (None, false) => edge_of(machine, planned.tool, nominal),
+            };
             let edges = &mut gauged.sections.edges;
             let known = edges.iter().position(|other| *other == edge);
             let at = known.unwrap_or_else(|| {
@@ -129,9 +140,11 @@ impl Gauged {
             });
             gauged.edges.insert(*number, at);
             let [x, z] = gauged.origin_mm(*number);
-            let is_nut = gauged.asked.nominal.side == Side::Internal;
-            gauged.other_side |= planned.pass.cuts_outwards(x).is_some_and(|away| away != is_nut);
-            lengths_mm.push(full_mm(planned, z, first_mm));
+            let is_nut = nominal.side == Side::Internal;
+            gauged.other_side |= pass.cuts_outwards(x).is_some_and(|away| away != is_nut);
+            let chamfer_mm = tap.as_ref().map_or(0.0, |_| tapped::PARTIAL * nominal.pitch_mm);
+            lengths_mm.push(full_mm(planned, z, first_mm, chamfer_mm));
+            gauged.taps.extend(tap.map(|tap| (*number, tap)));
         }
         gauged.full_mm = judged_mm(&lengths_mm);
         gauged.turned = Turned::new(&gauged.asked.nominal, gauged.full_mm);
@@ -164,23 +177,22 @@ impl Gauged {
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
         let tip = [slide(Axis::X) - x, slide(Axis::Z) - z];
         self.begun = self.begun.max(pass.pass);
-        let now = Seen { pass: pass.pass, deg: truth.spindle_deg, tip };
-        let before = self.before.replace(now).filter(|before| before.pass == pass.pass);
-        let (Some(before), Some(edge)) = (before, self.edges.get(&pass.pass).copied()) else { return };
-        let n = self.sections.stations.len();
-        let [a, b] = [before.deg, now.deg].map(|deg| deg * n as f64 / 360.0);
-        let (first, last) = (a.min(b).floor() as i64 + 1, a.max(b).floor() as i64);
-        for k in (first..=last).take(n) {
-            let share = (k as f64 - a) / (b - a);
-            let [radius_mm, z_mm] = [0, 1].map(|i| before.tip[i] + share * (now.tip[i] - before.tip[i]));
-            let place = Place { z_mm, radius_mm: radius_mm.abs(), edge };
-            self.keep(k.rem_euclid(n as i64) as usize, place);
-        }
+        let (Some(edge), tap) = (self.edges.get(&pass.pass).copied(), self.taps.get(&pass.pass).cloned()) else {
+            return;
+        };
+        let mut crossings = std::mem::replace(&mut self.crossings, Crossings::new(LEAST));
+        crossings.cycle(pass.pass, truth.spindle_deg, tip, |station, [radius, z_mm]| match &tap {
+            Some(tap) => tap.cuts([radius, z_mm], station, |station, radius_mm, z_mm| {
+                self.keep(station, Place { z_mm, radius_mm, edge });
+            }),
+            None => self.keep(station, Place { z_mm, radius_mm: radius.abs(), edge }),
+        });
+        self.crossings = crossings;
     }
 
     /// Forgets where the tip was: the pass is over, and may be cut again from its start.
     pub(super) fn pass_ends(&mut self) {
-        self.before = None;
+        self.crossings.pass_ends();
     }
 
     /// Keeps a place that can have cut something of the thread.
@@ -292,7 +304,8 @@ fn judged_mm(lengths_mm: &[[f64; 2]]) -> [f64; 2] {
 
 /// Where a pass is at full depth on its first lead in the stock, along Z of the program. Stock that the
 /// machine file tells of does not move with another tool: it lies where the first pass sees it.
-fn full_mm(planned: &Planned, origin_mm: f64, first_origin_mm: f64) -> [f64; 2] {
+/// Along the last `chamfer_mm` of a tap its teeth are not whole.
+fn full_mm(planned: &Planned, origin_mm: f64, first_origin_mm: f64, chamfer_mm: f64) -> [f64; 2] {
     let pass = &planned.pass;
     let helix = Helix::of(pass, Axis::Z);
     let locked_deg = pass.axes.iter().map(protocol::AxisLaw::locked_deg).fold(0.0, f64::max);
@@ -300,6 +313,7 @@ fn full_mm(planned: &Planned, origin_mm: f64, first_origin_mm: f64) -> [f64; 2] 
     let changes = pass.corners().next().map_or(f64::INFINITY, |corner| corner.c_deg);
     let at = |deg: f64| helix.at_mm(deg) - origin_mm;
     let [a, b] = [at(locked_deg), at(pass.thread_end_deg.min(changes).max(locked_deg))];
+    let b = b + chamfer_mm.min((b - a).abs()) * (a - b).signum();
     let [low, high] = match &planned.stock {
         Stock::Ends(ends) => ends.map(|end| end - first_origin_mm),
         Stock::Part(part, _) => part.ends_mm(),

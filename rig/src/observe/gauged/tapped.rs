@@ -1,0 +1,87 @@
+//! What a tap leaves: its own form, at every place where its teeth were. In: where the point of the tap was at an
+//! angle of the spindle, mm. Out: places of teeth, at the angles at which they stood.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | P, T | mm, – | pitch of the thread that is asked for; tangents of both flanks together |
+//! | d₂ | mm | pitch diameter of the tap |
+//! | f, j | – | number of a flute and of a tooth on it, from the point on |
+//! | x | mm | how far the axis of the tap lies beside that of the spindle |
+//!
+//! ```text
+//! (M228) tooth j of flute f cuts at the angle of f/3 of a turn before: r = d₂/2 + 3 P/(8 T) + x cos (2π f/3),
+//!        z = z_point + P (j away − f/3 advance/|advance|);   lower by its chamfer for j < 2½
+//! ```
+//! Nobody tells what a tap is like, so it is a new one of the thread that is asked for: sharp flanks, a flat of
+//! P/8, three flutes, a chamfer of two threads and a half, and a pitch diameter a third of the tolerance above the
+//! least of the nut (ISO 2857: class 2 lies at 0.3 to 0.5 of the tolerance of grade 5, which is 0.24 to 0.4 of
+//! that of 6H). What the program does is judged by what the teeth leave: a lead that is not that of the tap, a
+//! hole that is not deep enough, taps that do not follow each other, an axis beside that of the spindle.
+
+use std::f64::consts::TAU;
+
+use gauge::{Edge, Nominal};
+use protocol::ThreadPass;
+
+/// Flutes of a tap.
+pub(super) const FLUTES: usize = 3;
+/// Places that all teeth have at an angle of the spindle: as many on each flute.
+pub(super) const TEETH: usize = 36;
+/// Threads of its chamfer, and those in front of where the teeth of all flutes are whole.
+const CHAMFER: f64 = 2.5;
+pub(super) const PARTIAL: f64 = CHAMFER + 1.0;
+/// Share of the tolerance by which a new tap is larger than the least nut.
+const LARGER: f64 = 1.0 / 3.0;
+
+/// A tap in a hole.
+#[derive(Clone, Debug)]
+pub(super) struct Tap {
+    /// Radius of a whole tooth, and what the first one lacks, mm.
+    tip_mm: f64,
+    chamfer_mm: f64,
+    pitch_mm: f64,
+    /// 1 where Z grows out of the hole.
+    away: f64,
+    /// 1 where Z grows with the angle of the spindle.
+    grows: f64,
+    stations: usize,
+}
+
+impl Tap {
+    /// The tap of a pass that returns, for a nut; none for anything that no tap cuts.
+    pub(super) fn of(nominal: &Nominal, pass: &ThreadPass, stations: usize) -> Option<Tap> {
+        let is_plain = nominal.sign() < 0.0 && nominal.taper == 0.0 && nominal.starts == 1;
+        (pass.returns() && is_plain).then(|| {
+            let [least, most] = nominal.pitch_diameter_mm;
+            let triangle_mm = nominal.pitch_mm / nominal.tangent();
+            Tap {
+                tip_mm: 0.5 * (least + LARGER * (most - least)) + 0.375 * triangle_mm,
+                chamfer_mm: 0.625 * triangle_mm,
+                pitch_mm: nominal.pitch_mm,
+                away: -pass.lead_mm.signum(),
+                grows: if nominal.grows { 1.0 } else { -1.0 },
+                stations,
+            }
+        })
+    }
+
+    /// The edge of one of its teeth.
+    pub(super) fn edge(nominal: &Nominal) -> Edge {
+        Edge { flank_deg: nominal.flank_deg, flat_mm: 0.125 * nominal.pitch_mm, nose_mm: 0.0 }
+    }
+
+    /// What its teeth cut where its point is at an angle of the spindle (M228).
+    pub(super) fn cuts(&self, [x, z]: [f64; 2], station: usize, mut each: impl FnMut(usize, f64, f64)) {
+        for flute in 0..FLUTES {
+            let share = flute as f64 / FLUTES as f64;
+            let on = self.away * -self.grows * share;
+            let before = (station + self.stations - flute * self.stations / FLUTES) % self.stations;
+            let radius = self.tip_mm + x * (TAU * share).cos();
+            for tooth in 0..TEETH / FLUTES {
+                let along = self.away * tooth as f64 - self.grows * share;
+                let lacks = (1.0 - (tooth as f64 + on) / CHAMFER).clamp(0.0, 1.0) * self.chamfer_mm;
+                each(before, radius - lacks, z + self.pitch_mm * along);
+            }
+        }
+    }
+}
