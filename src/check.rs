@@ -299,7 +299,10 @@ fn findings(program: &Program) -> String {
         let [low, high] = drawn.ends_mm();
         let (along, times) = if drawn.on_face() { ("diameters", 2.0) } else { ("Z", 1.0) };
         let [low, high, within] = [times * low, times * high, drawn.within_mm];
-        let _ = writeln!(text, "groove from {along} {low:.3} to {high:.3}: along its axis and in depth within {within} mm");
+        let _ = writeln!(
+            text,
+            "groove from {along} {low:.3} to {high:.3}: along its axis and in depth within {within} mm"
+        );
     }
     if let Some(nominal) = &program.gauge {
         let _ = writeln!(text, "gauge {}", gauged::told(nominal));

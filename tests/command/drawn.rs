@@ -1,21 +1,27 @@
 //! Examples of threads are held against their gauge or against the groove that they draw: as they are they
 //! are accepted, and with one word changed they are refused for what is wrong.
 
+use std::path::PathBuf;
+
 use serde_json::Value;
 
-use crate::shop::{Answer, Place, example, project};
+use crate::shop::{Answer, Place, project};
 
 fn run(place: &Place, program: &str) -> Answer {
     place.clear("out");
     place.ask(&["run", program, "--in-process", "--trace", "none", "--out", "out"])
 }
 
+fn path(name: &str) -> PathBuf {
+    project().join("examples").join(name)
+}
+
 fn text(name: &str) -> String {
-    std::fs::read_to_string(example(name)).expect("the example is there")
+    std::fs::read_to_string(path(name)).expect("the example is there")
 }
 
 /// Every example that cuts a thread, but the first hour, which says what it thinks of its bolt by itself.
-const THREADS: [&str; 14] = [
+const THREADS: [&str; 13] = [
     "m20x2.ngc",
     "internal-m30.ngc",
     "varied.ngc",
@@ -25,7 +31,6 @@ const THREADS: [&str; 14] = [
     "scroll.ngc",
     "tap-m8.ngc",
     "worm-left.ngc",
-    "shaft.ngc",
     "fanuc/shaft-m24.nc",
     "fanuc/taper-g32.nc",
     "fanuc/variable-lead.nc",
@@ -36,14 +41,17 @@ const THREADS: [&str; 14] = [
 fn every_example_of_a_thread_ends_with_a_thread_that_is_accepted() {
     let place = Place::new();
     for name in THREADS {
-        let answer = run(&place, example(name).to_str().expect("a path"));
+        let answer = run(&place, path(name).to_str().expect("a path"));
         assert_eq!(answer.status, Some(0), "{name}: {}{}", answer.stdout, answer.stderr);
         let summary = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
         let summary: Value = serde_json::from_str(&summary).expect("a document");
         assert_eq!(summary["part"]["verdict"], "good", "{name}");
         let verdicts = ["gauge", "groove"].map(|judge| summary[judge]["verdict"].clone());
         assert!(verdicts.contains(&"good".into()), "{name}: {verdicts:?}");
-        assert!(!verdicts.iter().any(|verdict| verdict == "bad" || verdict == "none"), "{name}: {verdicts:?}");
+        assert!(
+            !verdicts.iter().any(|verdict| verdict == "bad" || verdict == "none"),
+            "{name}: {verdicts:?}"
+        );
         let report = std::fs::read_to_string(place.at("out/report.html")).expect("a report");
         assert!(report.contains("Gauge: ") || report.contains("Groove: as drawn"), "{name}");
     }
@@ -53,25 +61,26 @@ fn every_example_of_a_thread_ends_with_a_thread_that_is_accepted() {
 #[test]
 fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
     let place = Place::new();
-    let last_pass = ("G0 X24\nG0 Z-1\nG33 X90 K4\nG0 Z2\n\nG0 Z60", "G0 X24.2\nG0 Z-1\nG33 X90 K4\nG0 Z2\n\nG0 Z60");
+    let last_pass =
+        ("G0 X24\nG0 Z-1\nG33 X90 K4\nG0 Z2\n\nG0 Z60", "G0 X24.2\nG0 Z-1\nG33 X90 K4\nG0 Z2\n\nG0 Z60");
+    let mut others = Vec::new();
     for (name, [from, to], why) in [
         ("scroll.ngc", ["G33 X90 K4", "G33 X90 K4.02"], "lead 1"),
         ("scroll.ngc", [last_pass.0, last_pass.1], "passes lie "),
         ("scroll.ngc", ["G0 Z-1\n", "G0 Z-0.96\n"], "too shallow"),
-        ("scroll.ngc", ["G33 X90 K4", "G33 X70 K4"], "not cut at diameter 7"),
         ("scroll.ngc", ["M3 S300", "M4 S300"], "winds the other way"),
         ("fanuc/variable-lead.nc", ["F3. K0.2", "F3. K0.19"], "lead "),
-        ("fanuc/variable-lead.nc", ["F5.", "F4.9"], "lead "),
+        ("fanuc/variable-lead.nc", ["F5.", "F4.9"], "beside the groove"),
         ("fanuc/variable-lead.nc", ["[30.-#100]", "[30.08-#100]"], "too shallow"),
         ("fanuc/barrel.nc", ["R150. F2.", "R155. F2."], "too "),
         ("fanuc/barrel.nc", ["R150. F2.", "R150. F2.01"], "lead "),
         ("fanuc/taper-g32.nc", ["[9.5+6.]/16", "[9.5+6.]/15"], "too deep"),
-        ("lead-table.ngc", ["Z-28 K2.6,", "Z-29 K2.6,"], "beside the groove"),
-        ("chain.ngc", ["Z-44 K2.5", "Z-44 K2.52"], "lead "),
+        ("lead-table.ngc", ["lead_table, Z-18 K2, Z-28", "lead_table, Z-18 K2, Z-29"], " short over "),
+        ("chain.ngc", ["Z-44 K2.5", "Z-44 K2.52"], "beside the groove"),
         ("worm-left.ngc", ["G0 X[#2 - 4.4]", "G0 X[#2 - 4.3]"], "too shallow"),
         ("tap-m8.ngc", ["K1.25", "K1.26"], "NO-GO goes in"),
         ("tap-m8.ngc", ["G0 X0 Z8", "G0 X0.1 Z8"], "NO-GO goes in"),
-        ("tap-m8.ngc", ["M8x1.25-6H", "M8x1.25-6g"], "M8x1.25-6g is a screw"),
+        ("tap-m8.ngc", ["M8x1.25-6H", "M8x1.25-6g"], "and M8x1.25-6g is a screw"),
     ] {
         let program = text(name);
         assert!(program.contains(from), "{name}: {from}");
@@ -82,10 +91,12 @@ fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
         let file = if name.starts_with("fanuc") { "other.nc" } else { "other.ngc" };
         let answer = run(&place, file);
         let said = format!("{name}, {to}: {}{}", answer.stdout, answer.stderr);
-        assert_eq!(answer.status, Some(3), "{said}");
-        let reasons: Vec<&str> = answer.stderr.lines().filter(|line| line.starts_with("not good: ")).collect();
-        assert!(reasons.iter().any(|line| line.contains(why)), "{said}");
+        let mut reasons = answer.stderr.lines().filter(|line| line.starts_with("not good: "));
+        if answer.status != Some(3) || !reasons.any(|line| line.contains(why)) {
+            others.push(said);
+        }
     }
+    assert!(others.is_empty(), "{}", others.join("\n\n"));
 }
 
 /// `docs/gauge.md` shows what is said of the example.
@@ -94,10 +105,9 @@ fn the_page_shows_what_is_said_of_a_groove() {
     let place = Place::new();
     let page = std::fs::read_to_string(project().join("docs/gauge.md")).expect("there is a page");
     for name in ["fanuc/variable-lead.nc", "tap-m8.ngc"] {
-        let answer = run(&place, example(name).to_str().expect("a path"));
-        let mut lines = answer.stdout.lines().filter(|line| {
-            line.starts_with("groove ") || line.starts_with("gauge ")
-        });
+        let answer = run(&place, path(name).to_str().expect("a path"));
+        let mut lines =
+            answer.stdout.lines().filter(|line| line.starts_with("groove ") || line.starts_with("gauge "));
         let line = lines.next().expect("a verdict");
         assert!(page.contains(&format!("\n{line}\n")), "{line}");
     }
@@ -117,6 +127,9 @@ fn a_drawing_that_cannot_be_read_is_refused() {
         place.write("wrong.ngc", program.replace(from, drawing));
         let answer = place.ask(&["check", "wrong.ngc"]);
         let said = answer.stdout + &answer.stderr;
-        assert!(answer.status == Some(1) && said.contains("bad-groove") && said.contains(why), "{drawing}: {said}");
+        assert!(
+            answer.status == Some(2) && said.contains("bad-groove") && said.contains(why),
+            "{drawing}: {said}"
+        );
     }
 }

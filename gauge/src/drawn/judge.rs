@@ -270,7 +270,11 @@ impl Held<'_> {
         }
         let at = self.told(along);
         if apart > place {
-            return format!("passes lie {:.1} µm apart: pass {pass} is {:.1} µm beside the groove", 1e3 * apart, 1e3 * off);
+            return format!(
+                "passes lie {:.1} µm apart: pass {pass} is {:.1} µm beside the groove",
+                1e3 * apart,
+                1e3 * off
+            );
         }
         format!("pass {pass} is {:.1} µm beside the groove at {at}", 1e3 * off)
     }

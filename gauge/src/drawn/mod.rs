@@ -56,6 +56,8 @@ pub struct Drawn {
     pub side: DrawnSide,
     /// Wound to the left: Z grows with the angle of the spindle; on a face, the radius falls.
     pub left_hand: bool,
+    /// Angle between the flanks of the tool where nobody else tells it, degrees.
+    pub angle_deg: Option<f64>,
     /// How far it may stray along its axis and in depth, mm.
     pub within_mm: f64,
     /// At least two, from the lowest along the axis on.

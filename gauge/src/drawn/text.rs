@@ -2,7 +2,7 @@
 //! and what would be right.
 //!
 //! ```text
-//! text = part { , part }      part = row | face | internal | LH | within mm
+//! text = part { , part }      part = row | face | internal | LH | A degrees | within mm
 //! row  = { Z place | D diameter of the root | K lead | R radius of the arc from the row before }
 //! ```
 //! What a row does not say is as in the row before. A lead that jumps has two rows at one place.
@@ -45,7 +45,7 @@ impl FromStr for Drawn {
 
     fn from_str(text: &str) -> Result<Drawn, Misread> {
         let (mut side, mut left_hand, mut within_mm) = (DrawnSide::External, false, WITHIN_MM);
-        let (mut said, mut at) = (Vec::new(), 0);
+        let (mut said, mut at, mut angle_deg) = (Vec::new(), 0, None);
         for part in text.split(',') {
             let span = at..at + part.len();
             at = span.end + 1;
@@ -60,6 +60,12 @@ impl FromStr for Drawn {
                     Some(mm) => within_mm = mm,
                     None => return wrong(span, format!("within {mm} is no tolerance of 0.001 mm or more")),
                 },
+                (key, [word]) if key.starts_with('a') => {
+                    match number(&word[1..]).filter(|deg| (0.0..=160.0).contains(deg)) {
+                        Some(deg) => angle_deg = Some(deg),
+                        None => return wrong(span, format!("{word} is no angle of 0 to 160 degrees")),
+                    }
+                }
                 _ if words.is_empty() => return wrong(span, "a row is empty".into()),
                 _ => {
                     let before = said.last().map(|(_, said)| *said).unwrap_or_default();
@@ -69,7 +75,7 @@ impl FromStr for Drawn {
         }
         let rows = rows(text, &said, side)?;
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        Ok(Drawn { text, side, left_hand, within_mm, rows })
+        Ok(Drawn { text, side, left_hand, angle_deg, within_mm, rows })
     }
 }
 
@@ -108,7 +114,10 @@ fn rows(text: &str, said: &[(Range<usize>, Said)], side: DrawnSide) -> Result<Ve
         rows.push(Row { along_mm, root_mm, lead_mm: k, arc_mm: r });
     }
     if !(2..=MOST_ROWS).contains(&rows.len()) {
-        return wrong(0..text.len(), format!("a groove has 2 to {MOST_ROWS} rows, and this one {}", rows.len()));
+        return wrong(
+            0..text.len(),
+            format!("a groove has 2 to {MOST_ROWS} rows, and this one {}", rows.len()),
+        );
     }
     let falls = rows[rows.len() - 1].along_mm < rows[0].along_mm;
     for (i, pair) in rows.windows(2).enumerate() {
@@ -118,7 +127,10 @@ fn rows(text: &str, said: &[(Range<usize>, Said)], side: DrawnSide) -> Result<Ve
             return wrong(span, "rows go one way along the groove".into());
         }
         if pair[1].arc_mm.is_some_and(|r| 2.0 * r.abs() < chord || chord < SAME_MM || step.abs() < SAME_MM) {
-            return wrong(span, "an arc of this radius does not reach from the row before to this one".into());
+            return wrong(
+                span,
+                "an arc of this radius does not reach from the row before to this one".into(),
+            );
         }
     }
     if falls {

@@ -151,6 +151,7 @@ fn a_drawing_that_is_none_is_refused_with_its_place() {
         ("Z0 D20 K2 Q5, Z-10", "\"Q5\""),
         ("Z0 D20 K2,, Z-10", "empty"),
         ("Z0 D20 K1e400, Z-10", "\"K1e400\""),
+        ("A200, Z0 D20 K2, Z-10", "no angle"),
         ("Zé D20 K2, Z-10", "\"Zé\""),
     ] {
         let misread = text.parse::<Drawn>().expect_err(text);

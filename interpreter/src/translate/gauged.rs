@@ -74,10 +74,15 @@ impl Gauged {
     /// A comment may draw the groove.
     fn drawing(&mut self, text: &str) -> Done {
         let wrong = |message: String, help: &str| Problem::error("bad-groove", Blame::Block, message, help);
-        let Some((_, told)) = text.trim().split_once(',').filter(|(word, _)| word.trim_end() == "groove" || word.trim_end() == "GROOVE") else {
+        let Some((_, told)) = text
+            .trim()
+            .split_once(',')
+            .filter(|(word, _)| word.trim_end() == "groove" || word.trim_end() == "GROOVE")
+        else {
             return Ok(());
         };
-        let drawn: Drawn = told.parse().map_err(|misread: gauge::Misread| wrong(misread.message, &misread.help))?;
+        let drawn: Drawn =
+            told.parse().map_err(|misread: gauge::Misread| wrong(misread.message, &misread.help))?;
         match &self.drawn {
             Some(before) if *before != drawn => {
                 let help = "draw one groove: all passes of a program are held against it";

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use protocol::Axis;
 
 use super::{
-    AnalogReport, AxisLimits, FaultReport, GaugeReport, GrooveReport, MessageReport, MovesReport, Outcome, PassReport,
-    PauseReport, ResumedReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote, TraceReport,
-    VERSION, judged::judged,
+    AnalogReport, AxisLimits, FaultReport, GaugeReport, GrooveReport, MessageReport, MovesReport, Outcome,
+    PassReport, PauseReport, ResumedReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote,
+    TraceReport, VERSION, judged::judged,
 };
 
 /// What was observed of a run.

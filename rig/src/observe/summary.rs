@@ -9,9 +9,9 @@ use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AnalogReport, Channel, CuttingReport, GaugeReport, GrooveReport, LimitsUsed, MessageReport, PartReport, PauseReport,
-    ProgramWarning, ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote, ToolReport,
-    TraceReport,
+    AnalogReport, Channel, CuttingReport, GaugeReport, GrooveReport, LimitsUsed, MessageReport, PartReport,
+    PauseReport, ProgramWarning, ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote,
+    ToolReport, TraceReport,
 };
 
 /// Version of the layout; fields may be added without a new one.

@@ -115,7 +115,8 @@ impl Grooved {
         let stations = ((PLACES as f64 / (SPARE * turns.max(1.0))) as usize).clamp(LEAST, STATIONS);
         let tangent = |number: u32| {
             let tool = machine.tool(number).and_then(|tool| Some(0.5 * tool.angle_deg?));
-            tool.unwrap_or(machine.threading.flank_half_angle_deg).to_radians().tan()
+            let drawn = || Some(0.5 * asked.drawn.angle_deg?);
+            tool.or_else(drawn).unwrap_or(machine.threading.flank_half_angle_deg).to_radians().tan()
         };
         Grooved {
             tangents: cuts().map(|(number, planned)| (*number, tangent(planned.tool))).collect(),

@@ -128,8 +128,10 @@ impl Gauged {
             let tap = Tap::of(nominal, pass, stations);
             let edge = match (&tap, pass.returns()) {
                 (Some(_), _) => Tap::edge(nominal),
-                // No tap cuts such a thread.
-                (None, true) => continue,
+                (None, true) => {
+                    gauged.other_side |= nominal.side == Side::External;
+                    continue;
+                }
                 (None, false) => edge_of(machine, planned.tool, nominal),
             };
             let edges = &mut gauged.sections.edges;
@@ -177,7 +179,8 @@ impl Gauged {
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
         let tip = [slide(Axis::X) - x, slide(Axis::Z) - z];
         self.begun = self.begun.max(pass.pass);
-        let (Some(edge), tap) = (self.edges.get(&pass.pass).copied(), self.taps.get(&pass.pass).cloned()) else {
+        let (Some(edge), tap) = (self.edges.get(&pass.pass).copied(), self.taps.get(&pass.pass).cloned())
+        else {
             return;
         };
         let mut crossings = std::mem::replace(&mut self.crossings, Crossings::new(LEAST));
@@ -218,12 +221,12 @@ impl Gauged {
         let (planned, [low, high]) = (self.edges.len(), self.full_mm);
         let why = if self.is_full {
             format!("the thread is too long for the gauge: more than {PLACES} places")
-        } else if planned == 0 {
-            "the program cuts no thread".into()
-        } else if low >= high {
-            "the passes have no length of full thread in common".into()
         } else if self.other_side && self.begun > 0 {
             return GaugeReport::refused(nominal, other_side(nominal));
+        } else if planned == 0 {
+            "the program cuts no thread, or it is a tap of several starts or of a taper".into()
+        } else if low >= high {
+            "the passes have no length of full thread in common".into()
         } else {
             return self.judged();
         };
