@@ -21,7 +21,7 @@ fn text(name: &str) -> String {
 }
 
 /// Every example that cuts a thread, but the first hour, which says what it thinks of its bolt by itself.
-const THREADS: [&str; 13] = [
+const THREADS: [&str; 14] = [
     "m20x2.ngc",
     "internal-m30.ngc",
     "varied.ngc",
@@ -35,6 +35,7 @@ const THREADS: [&str; 13] = [
     "fanuc/taper-g32.nc",
     "fanuc/variable-lead.nc",
     "fanuc/barrel.nc",
+    "rechucked/thread.ngc",
 ];
 
 #[test]

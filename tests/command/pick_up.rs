@@ -28,6 +28,23 @@ fn a_thread_is_found_and_the_start_point_told() {
     assert!(told.stdout.contains("start     at Z 8.8000 mm ±"), "{}", told.stdout);
 }
 
+/// The example of a part that was re-chucked starts where its touches say, beside where its groove was put, and not
+/// by what was put there.
+#[test]
+fn the_example_of_a_rechucked_part_starts_where_its_touches_say() {
+    let place = Place::new();
+    let touches = include_str!("../../examples/rechucked/touches.txt");
+    let program = include_str!("../../examples/rechucked/thread.ngc");
+    place.write("touches.txt", touches);
+    let told = place.ask(&["pick-up", "touches.txt", "--lead", "-2", "--start", "8"]).stdout;
+    let z = told.split("start     at Z ").nth(1).and_then(|rest| rest.split(' ').next()).expect("it is told");
+    let [first, second]: [&str; 2] =
+        program.split("M6\n").nth(1).zip(program.split("M6  ").nth(1)).expect("two").into();
+    assert!(first.contains("G0 X22 Z8.731\n") && second.contains(&format!("G0 X22 Z{z} ")), "{told}");
+    let apart = z.parse::<f64>().expect("a number") - 8.731;
+    assert!(apart != 0.0 && apart.abs() < 0.0077, "{apart}");
+}
+
 #[test]
 fn what_is_no_such_thread_and_no_such_file_is_refused_with_its_reason() {
     let place = Place::new();

@@ -34,7 +34,7 @@ fn arrivals(place: &Place, folder: &str) -> Vec<String> {
 }
 
 /// All examples, each with its machine; the first three are made again in every run of the tests.
-const EXAMPLES: [(&str, &str); 25] = [
+const EXAMPLES: [(&str, &str); 27] = [
     ("fanuc/shaft-m24.nc", "machines/small-lathe"),
     ("mill/contour.ngc", "machines/small-mill"),
     ("positioner/points.toml", "machines/positioner"),
@@ -58,6 +58,8 @@ const EXAMPLES: [(&str, &str); 25] = [
     ("shape/contour.toml", "machines/small-mill"),
     ("shape/inline.ngc", "machines/small-mill"),
     ("shape/wave.toml", "machines/small-mill"),
+    ("resumed/screw.ngc", "machines/small-lathe"),
+    ("rechucked/thread.ngc", "machines/small-lathe"),
     ("bar-feeder/pin.ngc", "bar-feeder/lathe"),
     ("first-hour/bolt.ngc", "first-hour/my-lathe"),
 ];
@@ -87,6 +89,10 @@ fn examples_are_the_same_again() {
         let mut arguments = vec!["--in-process", "--machine", &machine];
         if program.starts_with("first-hour") {
             arguments.extend(["--tools", &tools, "--parameters", &g54]);
+        }
+        let table = examples.join("resumed/shop.tbl").display().to_string();
+        if program.starts_with("resumed") {
+            arguments.extend(["--tools", &table]);
         }
         let more = SCENARIOS.into_iter().filter(|_| count > 3).map(Some);
         for name in std::iter::once(None).chain(more) {

@@ -14,11 +14,16 @@ use crate::{
 /// Turned by one tool, threaded by another, both with their lengths.
 const PROGRAM: &str = "(thread, M20x2-6g)\nG18 G21 G90 G8 G94 G97\nT1 M6 G43\nM3 S800\nG0 X9.91 Z1\nG1 Z-16 F600\nG1 X12\nG0 Z8\n\
     T3 M6 G43\nM3 S900\nG0 X11 Z8\nG76 P2 Z-14 I-1.09 J0.8 K1.4845 R2 Q29.5 H1\nG0 X20\nM5\nM2\n";
-const TABLE: &str = "T1 P1 X0.5 Z1.0\nT3 P3 X-0.2 Z2.0\n";
+/// The same as an example, with the table of its shop, and with that of the new insert.
+const EXAMPLE: &str = include_str!("../../examples/resumed/screw.ngc");
+const TABLE: &str = include_str!("../../examples/resumed/shop.tbl");
+const NEW: &str = include_str!("../../examples/resumed/new.tbl");
+
+/// Where the example is broken off.
+const ABORT: &str = "{ pass = 3, z_mm = -5.0 }";
 
 /// The new insert stands 0.11 mm farther out and 0.37 mm farther along.
 const BY_MM: [f64; 2] = [0.11, 0.37];
-const NEW: &str = "T1 P1 X0.5 Z1.0\nT3 P3 X-0.09 Z2.37\n";
 
 /// The built-in lathe, and a soft material: what is cut is felt.
 fn soft() -> String {
@@ -61,7 +66,10 @@ fn lies(summary: &Summary, pass: u32) -> [f64; 3] {
 #[test]
 fn a_tool_that_was_changed_goes_on_in_the_groove_of_the_one_before() {
     let place = Place::new();
-    aborted(&place, PROGRAM, "{ pass = 3, z_mm = -5.0 }");
+    aborted(&place, EXAMPLE, ABORT);
+    assert!(
+        include_str!("../../examples/resumed/abort.toml").contains(&format!("at = {ABORT}\nabort = true"))
+    );
     let before = Summary::read(&place.at("first/summary.json")).expect("it has one");
 
     let told = with_table(&place, NEW, &["--dry-run"]);

@@ -1,6 +1,6 @@
-//! What was cut, held against a drawn groove. In: where the point of the tool was each time the spindle went
-//! through one of some angles ([`Spot`]), mm. Out: a [`DrawnReport`]: how far the groove strays along its axis and
-//! in depth, with reasons where that is more than is allowed.
+//! What was cut, held against a drawn groove. In: where the point of the tool was each time the spindle
+//! went through one of some angles ([`Spot`]), mm. Out: a [`DrawnReport`]: how far the groove strays along
+//! its axis and in depth, with reasons where that is more than is allowed.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,7 +11,7 @@
 //! | t | – | tangent of the flank of the tool |
 //!
 //! ```text
-//! (M226) δ = K(a) · wrap(C − σ u(a) − φ),   d = ± (r − r(a − δ));   of a spot that widens the groove |δ| > d t
+//! (M226) δ = K(a) wrap(C − σ u(a) − φ),   d = ± (r − r(a − δ));   what widens the groove has |δ| > d t
 //! (M227) place: max (|δ| − d t) ≤ within, of spots that reach the root, d ≤ within, max |δ|;
 //!        depth: |min d| ≤ within at every angle of every turn
 //! ```
@@ -233,8 +233,8 @@ impl Held<'_> {
         (if depth[0] <= depth[1] { depth } else { [0.0; 2] }, shallow, missing)
     }
 
-    /// By how much all turns together are longer than drawn: least squares of what each pass adds to its phase
-    /// over its turns, mm.
+    /// By how much all turns together are longer than drawn: least squares of what each pass adds to its
+    /// phase over its turns, mm.
     fn lead_error_mm(&self) -> f64 {
         let mut before: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
         let (mut sums, mut lines): (BTreeMap<u32, [f64; 5]>, [f64; 2]) = (BTreeMap::new(), [0.0; 2]);

@@ -1,5 +1,5 @@
-//! A drawing of a groove from what a person writes. In: text, mm. Out: a [`Drawn`], or where the text is wrong
-//! and what would be right.
+//! A drawing of a groove from what a person writes. In: text, mm. Out: a [`Drawn`], or where the text is
+//! wrong and what would be right.
 //!
 //! ```text
 //! text = part { , part }      part = row | face | internal | LH | A degrees | within mm

@@ -1,6 +1,6 @@
 //! Where the tip of a tool is each time the spindle goes through one of some angles (M158). In: true angle of
-//! the spindle, degrees, and place of the tip in every control cycle of a pass, mm. Out: numbers of angles, and
-//! the place at each.
+//! the spindle, degrees, and place of the tip in every control cycle of a pass, mm. Out: numbers of angles,
+//! and the place at each.
 
 /// Where a tip was, and at which angle.
 #[derive(Clone, Copy, Debug)]

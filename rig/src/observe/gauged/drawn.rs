@@ -1,8 +1,9 @@
-//! The groove that all passes leave, held against the one that a program draws. In: every control cycle of a
-//! pass the true places of the slides, mm, and the true angle of the spindle, degrees. Out: a [`GrooveReport`].
+//! The groove that all passes leave, held against the one that a program draws. In: every control cycle of
+//! a pass the true places of the slides, mm, and the true angle of the spindle, degrees. Out: a
+//! [`GrooveReport`].
 //!
-//! Kept is where the tip was at each of some angles (M158); nothing of the laws by which it got there. Taps are
-//! no part of it: what a tap cuts is its own form.
+//! Kept is where the tip was at each of some angles (M158); nothing of the laws by which it got there. Taps
+//! are no part of it: what a tap cuts is its own form.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! What a tap leaves: its own form, at every place where its teeth were. In: where the point of the tap was at an
-//! angle of the spindle, mm. Out: places of teeth, at the angles at which they stood.
+//! What a tap leaves: its own form, at every place where its teeth were. In: where the point of the tap was
+//! at an angle of the spindle, mm. Out: places of teeth, at the angles at which they stood.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -9,14 +9,14 @@
 //! | x | mm | how far the axis of the tap lies beside that of the spindle |
 //!
 //! ```text
-//! (M228) tooth j of flute f cuts at the angle of f/3 of a turn before: r = d₂/2 + 3 P/(8 T) + x cos (2π f/3),
+//! (M228) tooth j of flute f cuts at the angle of f/3 of a turn before: r = d₂/2 + 3 P/(8 T) + x cos (2π f/3)
 //!        z = z_point + P (j away − f/3 advance/|advance|);   lower by its chamfer for j < 2½
 //! ```
-//! Nobody tells what a tap is like, so it is a new one of the thread that is asked for: sharp flanks, a flat of
-//! P/8, three flutes, a chamfer of two threads and a half, and a pitch diameter a third of the tolerance above the
-//! least of the nut (ISO 2857: class 2 lies at 0.3 to 0.5 of the tolerance of grade 5, which is 0.24 to 0.4 of
-//! that of 6H). What the program does is judged by what the teeth leave: a lead that is not that of the tap, a
-//! hole that is not deep enough, taps that do not follow each other, an axis beside that of the spindle.
+//! Nobody tells what a tap is like, so it is a new one of the thread that is asked for: sharp flanks, a flat
+//! of P/8, three flutes, a chamfer of two threads and a half, and a pitch diameter a third of the tolerance
+//! above the least of the nut, about where a new tap of class 2 lies. What the program does is judged by what
+//! the teeth leave: a lead that is not that of the tap, taps that do not follow each other, an axis beside
+//! that of the spindle.
 
 use std::f64::consts::TAU;
 
