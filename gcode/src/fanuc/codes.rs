@@ -145,7 +145,7 @@ fn words_of_g(code: G) -> u32 {
         730 => bits("PQUWR"),
         740 | 750 => POINT | bits("PQRIK"),
         760 => POINT | bits("PQRIKAD"),
-        810..=890 => POINT | bits("RQP"),
+        810..=890 => POINT | bits("RQPK"),
         900 | 940 => POINT | bits("R"),
         920 => POINT | bits("RQ"),
         _ => 0,

@@ -2,12 +2,12 @@
 //! come back at the feed, G86 with the spindle at rest. They are in force until G80 or a code such as G00; X
 //! or Z alone makes another hole. G84 taps ([`taps`]).
 //!
-//! In: `G83 X Z R Q P F`. R is where the feed begins: a distance from where the tool stands (FANUC) or a Z
+//! In: `G83 X Z R Q P F K`. R is where the feed begins: a distance from where the tool stands (FANUC) or a Z
 //! (Haas). Of the two readings those count that lie between the tool and the bottom, of these the one farther
 //! from the bottom: the tool feeds too far at worst. Out: moves.
 //!
 //! ```text
-//! rapid to X · rapid to R · [ feed by Q · rapid to R · rapid to GAP above the bottom ]* · feed to Z · back
+//! K times: rapid to X · rapid to R · [ feed by Q · rapid to R · rapid to GAP above the bottom ]* · feed to Z · back
 //! ```
 
 use super::execution::{Execution, target};
@@ -52,8 +52,7 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     let x = target(run.line, from)?[X];
     let drill = drill(code, run.line, from[Z], before)?;
     run.modal.drill = Some(drill);
-    let inch = usize::from(run.line.units == Some(Units::Inch));
-    let (way, gap) = (drill.bottom - drill.r, GAP[inch]);
+    let way = drill.bottom - drill.r;
     let pecks = if drill.peck > 0.0 { (way.abs() / drill.peck - 1e-9).ceil().max(1.0) } else { 1.0 };
     if pecks > MOST_PECKS {
         let message = format!("this would take more than {MOST_PECKS} pecks");
@@ -62,6 +61,29 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     if run.line.has('Q') {
         doubt_cut(("a peck", 'Q', false), drill.peck, pecks, run.line, run.out);
     }
+    let often = times(run)?;
+    if often > 1.0 && run.line.has('U') {
+        let message =
+            "a hole that is made several times does not move on by U: holes of a lathe lie on its axis";
+        return Err(Problem::error("not-available", Blame::Word('U'), message, "write X"));
+    }
+    if often * pecks > MOST_PECKS {
+        let message = format!("this would take more than {MOST_PECKS} pecks");
+        return Err(Problem::error("bad-value", Blame::Word('K'), message, "make the hole less often"));
+    }
+    let mut made = 0.0;
+    while made < often {
+        hole(code, &drill, x, run)?;
+        made += 1.0;
+    }
+    Ok(())
+}
+
+/// One hole, from where it begins back to there.
+fn hole(code: G, drill: &Drill, x: f64, run: &mut Execution) -> Done {
+    let inch = usize::from(run.line.units == Some(Units::Inch));
+    let (way, gap) = (drill.bottom - drill.r, GAP[inch]);
+    let pecks = if drill.peck > 0.0 { (way.abs() / drill.peck - 1e-9).ceil().max(1.0) } else { 1.0 };
     let place = run.line.block.place();
     let (rapid, feed) = (G(0), G(10));
     run.go(rapid, [drill.level, x], None, place)?;
@@ -135,4 +157,27 @@ fn begin_of_feed(r: f64, level: f64, bottom: f64) -> Result<f64, Box<Problem>> {
         let help = "R is where the feed begins: a distance from the tool, such as R-3., or a Z, such as R2.";
         Problem::error("bad-value", Blame::Word('R'), message, help)
     })
+}
+
+/// K or L: how often a hole is made; 0 keeps its words.
+///
+/// # Errors
+/// Both are there, or it is no number of holes.
+pub(super) fn times(run: &Execution) -> Result<f64, Box<Problem>> {
+    let letter = match (run.line.has('K'), run.line.has('L')) {
+        (true, true) => {
+            let message = "K and L both say how often";
+            return Err(Problem::error("repeated-word", Blame::Word('L'), message, "leave one of them out"));
+        }
+        (true, false) => 'K',
+        (false, true) => 'L',
+        (false, false) => return Ok(1.0),
+    };
+    match run.line.whole(letter)? {
+        Some(times @ 0..=9999) => Ok(times as f64),
+        other => {
+            let message = format!("{letter}{} cannot be a number of holes", short(other.unwrap_or(0) as f64));
+            Err(Problem::error("bad-value", Blame::Word(letter), message, "give a whole number up to 9999"))
+        }
+    }
 }

@@ -4,6 +4,7 @@
 //! first such coordinate stands; an error where a program has them with and without a point, because then one
 //! of the two is a slip.
 
+use super::codes::DRILLING;
 use super::line::Line;
 use super::mill;
 use crate::block::{letter_bits, letters_of};
@@ -56,6 +57,8 @@ impl Points {
             _ if line.mill => AXES_OF_MILL | letter_bits("IJKR") & !of_no_length(line),
             Some(G(40)) => 0,
             Some(G(700..=760)) => AXES,
+            // How often a hole is made is no length.
+            _ if line.block.g(DRILLING).is_some() => AXES | BESIDE & !letter_bits("K"),
             _ => AXES | BESIDE,
         };
         self.pointed |= line.pointed() & coordinates != 0;

@@ -90,9 +90,9 @@ fn what_makes_a_tap_leave_is_said_as_in_a_thread() {
     assert!(tap.out.on(WayOut::ON_HOLD) && !tap.out.on(WayOut::ON_STOP));
 }
 
-/// Beside the axis of a lathe a tap breaks, and a gauge has nothing to judge on a tap.
+/// Beside the axis of a lathe a tap breaks; it makes no screw, and no thread of another lead.
 #[test]
-fn a_tap_beside_the_axis_and_a_gauge_for_taps_are_warned_of() {
+fn a_tap_beside_the_axis_and_one_of_another_thread_are_warned_of() {
     let warned = |text: &str| -> Vec<&'static str> {
         let check = check("test.ngc", text, &Machine::default());
         assert!(check.is_good(), "{:#?}", check.diagnostics);
@@ -103,5 +103,8 @@ fn a_tap_beside_the_axis_and_a_gauge_for_taps_are_warned_of() {
     };
     assert_eq!(tap("", 0.0), [""; 0]);
     assert_eq!(tap("", 10.0), ["tap-off-axis"]);
-    assert_eq!(tap("(thread, M8x1.25-6H)", 0.0), ["gauge-differs"]);
+    assert_eq!(tap("(thread, M8x1.25-6H)", 0.0), [""; 0]);
+    for other in ["M8x1.25-6g", "M8x1-6H", "M8x1.25-6H-LH"] {
+        assert_eq!(tap(&format!("(thread, {other})"), 0.0), ["gauge-differs"], "{other}");
+    }
 }

@@ -3,6 +3,7 @@
 //! In: X Y Z R Q P, K or L times (0: the words are kept, and the first hole comes with the next block). Out:
 //! the same cycle of RS274/NGC, with all its words: those of FANUC stay in force from one cycle to another.
 
+use super::super::drilling::times;
 use super::super::execution::Execution;
 use super::super::modal::Held;
 use super::super::once;
@@ -10,7 +11,7 @@ use super::super::points::doubt_cut;
 use super::super::taps;
 use crate::codes::{G, group};
 use crate::execute::Done;
-use crate::problem::{Blame, Problem, short};
+use crate::problem::{Blame, Problem};
 
 /// A cycle.
 ///
@@ -84,24 +85,4 @@ pub(super) fn cycle(code: G, run: &mut Execution) -> Done {
     let done = run.execute();
     run.state.rigid = None;
     done
-}
-
-/// K or L.
-fn times(run: &Execution) -> Result<f64, Box<Problem>> {
-    let letter = match (run.line.has('K'), run.line.has('L')) {
-        (true, true) => {
-            let message = "K and L both say how often";
-            return Err(Problem::error("repeated-word", Blame::Word('L'), message, "leave one of them out"));
-        }
-        (true, false) => 'K',
-        (false, true) => 'L',
-        (false, false) => return Ok(1.0),
-    };
-    match run.line.whole(letter)? {
-        Some(times @ 0..=9999) => Ok(times as f64),
-        other => {
-            let message = format!("{letter}{} cannot be a number of holes", short(other.unwrap_or(0) as f64));
-            Err(Problem::error("bad-value", Blame::Word(letter), message, "give a whole number up to 9999"))
-        }
-    }
 }

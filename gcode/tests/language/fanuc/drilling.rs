@@ -64,6 +64,14 @@ fn a_cycle_is_in_force_until_it_is_ended() {
     assert_eq!(ended("G28 U0. W0.\nX10."), ["G0 0 5", "G0 0 0", "G0 5 0"]);
 }
 
+/// K makes a hole so often at its place; none at first, and the next block makes it.
+#[test]
+fn a_hole_is_made_as_often_as_k_says() {
+    let once = hole("G81 Z-10. R2. F0.1");
+    assert_eq!(hole("G81 Z-10. R2. K3 F0.1"), [&once[..]; 3].concat());
+    assert_eq!(hole("G81 Z-10. R2. K0 F0.1\nX0."), once);
+}
+
 #[test]
 fn holes_that_make_no_sense_are_refused() {
     let errors = |text: &str| errors(&format!("{START}{text}"));
@@ -72,7 +80,10 @@ fn holes_that_make_no_sense_are_refused() {
     assert_eq!(errors("G83 W-10. F0.1"), [(3, "not-available")]);
     assert_eq!(errors("G83 G01 Z-10. F0.1"), [(3, "modal-group")]);
     assert_eq!(errors("G88 Z-10. R2. F1."), [(3, "not-available")]);
-    assert_eq!(errors("G83 Z-10. K2. F0.1"), [(3, "unused-word")]);
+    assert_eq!(errors("G83 Z-10. K2.5 F0.1"), [(3, "bad-value")]);
+    assert_eq!(errors("G83 Z-10. K-1 F0.1"), [(3, "bad-value")]);
+    assert_eq!(errors("G83 U2. Z-10. K2 F0.1"), [(3, "not-available")]);
+    assert_eq!(errors("G83 Z-10. R2. Q.01 K9999 F0.1"), [(3, "bad-value")]);
 }
 
 #[test]

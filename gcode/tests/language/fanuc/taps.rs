@@ -70,6 +70,15 @@ fn a_tap_in_pecks_comes_out_to_r_each_time() {
     assert_eq!(made.iter().filter(|made| *made == "lead 1.25").count(), 3);
 }
 
+/// A tap that goes in twice, for a clean thread.
+#[test]
+fn a_lathe_taps_as_often_as_k_says() {
+    let (made, warned) = taps(Dialect::Fanuc, "G97 M05\nG00 X0. Z10.\nM29 S500\nG84 Z-15. R5. F1.25 K2\nG80");
+    assert_eq!((made.iter().filter(|made| *made == "tap -15 x1 dwell 0").count(), warned.len()), (2, 0));
+    let (pecks, _) = taps(Dialect::Fanuc, "G97 M05\nG00 X0. Z10.\nM29 S500\nG84 Z-15. R5. Q8. F1.25 K2\nG80");
+    assert_eq!(pecks.iter().filter(|made| made.starts_with("tap")).count(), 6, "{pecks:?}");
+}
+
 #[test]
 fn a_mill_taps_every_hole_with_either_hand() {
     let text = "G00 X0. Y0. Z20.\nM29 S400\nG99 G84 X10. Z-12. R3. F500.\nX20.\nG80";
