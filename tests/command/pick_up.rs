@@ -28,8 +28,8 @@ fn a_thread_is_found_and_the_start_point_told() {
     assert!(told.stdout.contains("start     at Z 8.8000 mm ±"), "{}", told.stdout);
 }
 
-/// The example of a part that was re-chucked starts where its touches say, beside where its groove was put, and not
-/// by what was put there.
+/// The example of a part that was re-chucked starts where its touches say, beside where its groove was put,
+/// and not by what was put there.
 #[test]
 fn the_example_of_a_rechucked_part_starts_where_its_touches_say() {
     let place = Place::new();

@@ -7,7 +7,8 @@
 //! from the bottom: the tool feeds too far at worst. Out: moves.
 //!
 //! ```text
-//! K times: rapid to X · rapid to R · [ feed by Q · rapid to R · rapid to GAP above the bottom ]* · feed to Z · back
+//! K times:
+//! rapid to X · rapid to R · [ feed by Q · rapid to R · rapid to GAP above the bottom ]* · feed to Z · back
 //! ```
 
 use super::execution::{Execution, target};
