@@ -5,7 +5,7 @@ use rig::observe::{Observation, Outcome, Record};
 use rig::supervisor::End;
 
 use super::{Broken, Judge, Reference, bounds, excuse};
-use crate::event::{Event, Fate, SpindleFault, Trouble, What};
+use crate::event::{Button, Event, Fate, SpindleFault, Trouble, What};
 
 /// An axis that is slower than this stands, mm/s: at rest it is held by a loop that sees whole counts.
 const STANDS_MM_S: f64 = 0.5;
@@ -107,6 +107,17 @@ impl Judge<'_> {
         let all: Vec<u32> = self.known.passes.keys().copied().collect();
         let complete: Vec<u32> =
             observation.passes.iter().filter(|pass| pass.complete).map(|pass| pass.pass).collect();
+        // A tap that a hold turns round close to its depth has been there, and is made again from its start: that
+        // is what a hold says of taps, and every time it follows one helix.
+        let held = self.known.events.iter().any(|event| matches!(event.what, What::Press(Button::Hold(_))));
+        let again = |pair: &[u32]| {
+            let taps = self.known.passes.get(&pair[0]).is_some_and(|(pass, _)| pass.returns());
+            pair[0] == pair[1] && held && taps
+        };
+        let last = complete.last().copied();
+        let mut complete: Vec<u32> =
+            complete.windows(2).filter(|pair| !again(pair)).map(|pair| pair[0]).collect();
+        complete.extend(last);
         if complete.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Some(("twice", format!("passes {complete:?}")));
         }
