@@ -105,19 +105,14 @@ impl Judge<'_> {
         observation: &Observation,
     ) -> Option<(&'static str, String)> {
         let all: Vec<u32> = self.known.passes.keys().copied().collect();
-        let complete: Vec<u32> =
+        let mut complete: Vec<u32> =
             observation.passes.iter().filter(|pass| pass.complete).map(|pass| pass.pass).collect();
         // A tap that a hold turns round close to its depth has been there, and is made again from its start: that
         // is what a hold says of taps, and every time it follows one helix.
         let held = self.known.events.iter().any(|event| matches!(event.what, What::Press(Button::Hold(_))));
-        let again = |pair: &[u32]| {
-            let taps = self.known.passes.get(&pair[0]).is_some_and(|(pass, _)| pass.returns());
-            pair[0] == pair[1] && held && taps
-        };
-        let last = complete.last().copied();
-        let mut complete: Vec<u32> =
-            complete.windows(2).filter(|pair| !again(pair)).map(|pair| pair[0]).collect();
-        complete.extend(last);
+        let taps =
+            |number: &u32| self.known.passes.get(number).is_some_and(|(pass, _)| held && pass.returns());
+        complete.dedup_by(|next, before| next == before && taps(next));
         if complete.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Some(("twice", format!("passes {complete:?}")));
         }
