@@ -78,6 +78,14 @@ impl Threads {
             let help = "write it as passes of its own, between the grooves, by a tool as wide as the ridge";
             return Err(Problem::error("not-available", Blame::Block, message, help));
         }
+        let by_others = ["thread_milling", "thread_whirling"];
+        if let Some(word) = by_others.into_iter().find(|word| begins_with(text, word)) {
+            let message =
+                format!("{word}: the tool would turn by itself, and here one edge follows the spindle");
+            let help = "cut the thread by G33 (G32), G76 or a tap; on a mill a helix of G2 or G3 with Z has the way \
+                        of a thread mill, at a feed and not in step with a spindle";
+            return Err(Problem::error("not-available", Blame::Block, message, help));
+        }
         self.policy.comment(text)?;
         self.said.comment(text)?;
         self.table.comment(text)

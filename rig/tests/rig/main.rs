@@ -22,6 +22,7 @@ mod orders;
 mod outage;
 mod outputs;
 mod packets;
+mod phases;
 mod poles;
 mod presses;
 mod reactions;
