@@ -34,7 +34,7 @@ fn arrivals(place: &Place, folder: &str) -> Vec<String> {
 }
 
 /// All examples, each with its machine; the first three are made again in every run of the tests.
-const EXAMPLES: [(&str, &str); 27] = [
+const EXAMPLES: [(&str, &str); 28] = [
     ("fanuc/shaft-m24.nc", "machines/small-lathe"),
     ("mill/contour.ngc", "machines/small-mill"),
     ("positioner/points.toml", "machines/positioner"),
@@ -52,6 +52,7 @@ const EXAMPLES: [(&str, &str); 27] = [
     ("fanuc/grooves-macro.nc", "machines/small-lathe"),
     ("fanuc/variable-lead.nc", "machines/small-lathe"),
     ("fanuc/barrel.nc", "machines/small-lathe"),
+    ("fanuc/two-starts.nc", "machines/small-lathe"),
     ("mill/circle.ngc", "machines/small-mill"),
     ("positioner/cylinders.toml", "machines/positioner"),
     ("positioner/wave.toml", "machines/positioner"),

@@ -107,8 +107,8 @@ impl Judge<'_> {
         let all: Vec<u32> = self.known.passes.keys().copied().collect();
         let mut complete: Vec<u32> =
             observation.passes.iter().filter(|pass| pass.complete).map(|pass| pass.pass).collect();
-        // A tap that a hold turns round close to its depth has been there, and is made again from its start: that
-        // is what a hold says of taps, and every time it follows one helix.
+        // A tap that a hold turns round close to its depth has been there, and is made again from its start:
+        // that is what a hold says of taps, and every time it follows one helix.
         let held = self.known.events.iter().any(|event| matches!(event.what, What::Press(Button::Hold(_))));
         let taps =
             |number: &u32| self.known.passes.get(number).is_some_and(|(pass, _)| held && pass.returns());
