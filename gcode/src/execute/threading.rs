@@ -67,10 +67,15 @@ fn positive(letter: char, what: &str, block: &Block) -> Result<f64, Box<Problem>
     }
 }
 
-/// G33: a straight move, K per revolution along it.
+/// G33: a straight move, K per revolution along it, beginning at the angle Q of the spindle, degrees.
 fn thread(target: Pose, block: &Block, state: &mut State, out: &mut Output) -> Done {
     let lead = positive('K', "distance per revolution", block)?;
-    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg: 0.0, growth: 0.0 })?;
+    let start_deg = block.get('Q').unwrap_or(0.0);
+    if !(0.0..=360.0).contains(&start_deg) {
+        let message = format!("Q{} cannot be the angle of the spindle at the start", short(start_deg));
+        return Err(Problem::error("bad-value", Blame::Word('Q'), message, "give 0 to 360 degrees"));
+    }
+    out.call(Call::StartSpeedFeedSynch { lead, velocity: false, start_deg, growth: 0.0 })?;
     out.call(Call::StraightFeed(target))?;
     out.call(Call::StopSpeedFeedSynch)?;
     state.axes.position = target;

@@ -61,7 +61,7 @@ const G_WORDS: &[(&[u16], u32, u32)] = &[
     (&[100], AXES | bits("PLRIJQ"), bits("L")),
     (&[280, 300], AXES, 0),
     (&[520, 920], AXES, 0),
-    (&[330], AXES | POLAR | bits("K$"), bits("K")),
+    (&[330], AXES | POLAR | bits("KQ$"), bits("K")),
     (&[331], AXES | POLAR | bits("KI$"), bits("K")),
     (&[382, 383, 384, 385], AXES | POLAR, 0),
     (&[410, 420], bits("D"), 0),

@@ -66,6 +66,10 @@ fn a_start_angle_moves_the_pass_along_the_spindle() {
         let moved = other.run_in_c0_deg - one.run_in_c0_deg;
         assert!(one.lead_mm == 0.0 || (moved.rem_euclid(360.0) - 120.0).abs() < 1e-9, "{moved}");
     }
+    assert_same(
+        "G21 G18 G7 G90 S300 M3\nG0 X38 Z6\nG33 Z-22 K1.5 Q120\nG0 X45\nM2\n",
+        "O1\nG21 G97 S300 M03\nG00 X38. Z6.\nG32 Z-22. F1.5 Q120000\nG00 X45.\nM30\n",
+    );
 }
 
 /// A chamfer of half a lead at 800 1/min is steeper than X of the small lathe: then it is that of `00`, as

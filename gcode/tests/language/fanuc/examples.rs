@@ -23,5 +23,5 @@ fn examples_are_sound() {
         assert!(outcome.sink.moves.len() > 30, "{}", path.display());
         count += 1;
     }
-    assert_eq!(count, 5);
+    assert_eq!(count, 6);
 }

@@ -17,7 +17,7 @@ fn a_word_that_nothing_uses_is_refused_by_name() {
 fn every_code_uses_only_its_own_words() {
     let cases = [
         ("G4 P1", "P"),
-        ("G33 Z1 K1", "K$"),
+        ("G33 Z1 K1", "KQ$"),
         ("G43 H0", "H"),
         ("G64 P0.1 Q0.1", "PQR"),
         ("G96 D1 S1", "D$"),

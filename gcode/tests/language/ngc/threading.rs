@@ -32,6 +32,17 @@ fn cycle() -> ThreadCycle {
     }
 }
 
+#[test]
+fn q_is_the_angle_of_the_spindle_at_the_start_in_degrees() {
+    for q in ["", " Q0", " Q180", " Q360"] {
+        assert!(warned(&format!("{ON}G33 Z-1 K2{q}")).is_empty());
+    }
+    for wrong in ["Q-1", "Q361"] {
+        refused(&format!("{ON}G33 Z-1 K2 {wrong}"), "bad-value", &["the angle of the spindle"]);
+    }
+    refused(&format!("{ON}G33.1 Z-1 K2 Q90"), "unused-word", &[]);
+}
+
 fn depths(degression: Degression, springs: u32) -> Vec<f64> {
     let cycle = ThreadCycle { degression, springs, ..cycle() };
     cycle.depths().map(|depth| (depth * 1e4).round() / 1e4).collect()
