@@ -13,7 +13,7 @@
 //! ```text
 //! (M226) δ = K(a) wrap(C − σ u(a) − φ),   d = ± (r − r(a − δ));   what widens the groove has |δ| > d t
 //! (M227) place: max (|δ| − d t) ≤ within, of spots that reach the root, d ≤ within, max |δ|;
-//!        depth: |min d| ≤ within at every angle of every turn
+//!        between the means of passes ≤ within;   depth: |min d| ≤ within at every angle of every turn
 //! ```
 //! Nobody measures where round the part a groove begins, so φ is free; all passes and all pieces of a chain
 //! have one. An angle of a turn at which nothing was cut is as shallow as can be.
@@ -161,6 +161,8 @@ impl Held<'_> {
         let mut reasons = Vec::new();
         if let Some((pass, along, off)) = worst.filter(|_| place > within) {
             reasons.push(self.why(place, lead, apart, (pass, along, off)));
+        } else if apart > within {
+            reasons.push(format!("passes lie {:.1} µm apart", 1e3 * apart));
         }
         if let (Some(along), true) = (missing, place <= within) {
             reasons.push(format!("it is not cut at {}", self.told(along)));
@@ -226,7 +228,7 @@ impl Held<'_> {
                         }
                         depth[0] = depth[0].min(*height);
                     }
-                    None => missing = missing.or(Some(along(turns))),
+                    None => missing = missing.or_else(|| Some(along(turns))),
                 }
             }
         }

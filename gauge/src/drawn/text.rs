@@ -20,6 +20,8 @@ const LOOKS: &str = "write rows along the groove, as in Z0 D29 K3, Z-40 K5, Z-60
 const MOST_ROWS: usize = 64;
 /// Farthest and longest that is drawn, mm.
 const MOST_MM: f64 = 1e5;
+/// Turns at most.
+const MOST_TURNS: f64 = 1e4;
 /// Least lead and tolerance, mm.
 const LEAST_MM: f64 = 1e-3;
 
@@ -143,6 +145,16 @@ fn rows(text: &str, said: &[(Range<usize>, Said)], side: DrawnSide) -> Result<Ve
     }
     if rows[rows.len() - 1].along_mm - rows[0].along_mm < SAME_MM {
         return wrong(0..text.len(), "the groove has no length".into());
+    }
+    let turns: f64 = rows
+        .windows(2)
+        .map(|pair| 2.0 * (pair[1].along_mm - pair[0].along_mm) / (pair[0].lead_mm + pair[1].lead_mm))
+        .sum();
+    if turns > MOST_TURNS {
+        return wrong(
+            0..text.len(),
+            format!("the groove has {turns:.0} turns, and at most {MOST_TURNS:.0} are judged"),
+        );
     }
     Ok(rows)
 }

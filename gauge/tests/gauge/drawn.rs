@@ -100,6 +100,8 @@ fn a_pass_aside_widens_the_groove_by_what_its_flanks_reach() {
     let bad = beside(0.04, 0.5);
     assert!((bad.place_um - (0.04 * 5.0e3 - 130.0)).abs() < 1.0, "{bad:?}");
     assert_eq!(bad.verdict, Verdict::Bad);
+    let close = beside(0.0055, 0.0);
+    assert!(close.place_um < 15.0 && close.reasons.concat().contains(" apart"), "{close:?}");
     let deep = beside(0.02, 0.0);
     assert_eq!(deep.verdict, Verdict::Bad);
     assert!((60.0..100.0).contains(&deep.passes_um), "{deep:?}");
@@ -148,6 +150,7 @@ fn a_drawing_that_is_none_is_refused_with_its_place() {
         ("Z0 D20 K2, Z0 D30", "no length"),
         ("Z0 D20 K2, Z-10, within 0", "no tolerance"),
         ("Z0 D20 K-2, Z-10", "above 0"),
+        ("Z0 D20 K0.001, Z-100000", "at most 10000"),
         ("Z0 D20 K2 Q5, Z-10", "\"Q5\""),
         ("Z0 D20 K2,, Z-10", "empty"),
         ("Z0 D20 K1e400, Z-10", "\"K1e400\""),
