@@ -49,9 +49,7 @@ fn variable(wrong: Wrong) -> Vec<Spot> {
 }
 
 fn judged(text: &str, spots: &[Spot]) -> DrawnReport {
-    let report = judge_drawn(&drawn(text), STATIONS, spots);
-    println!("{report:?}");
-    report
+    judge_drawn(&drawn(text), STATIONS, spots)
 }
 
 fn refused(text: &str, spots: &[Spot], why: &str) {

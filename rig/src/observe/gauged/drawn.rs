@@ -117,7 +117,8 @@ impl Grooved {
         let tangent = |number: u32| {
             let tool = machine.tool(number).and_then(|tool| Some(0.5 * tool.angle_deg?));
             let drawn = || Some(0.5 * asked.drawn.angle_deg?);
-            tool.or_else(drawn).unwrap_or(machine.threading.flank_half_angle_deg).to_radians().tan()
+            let deg = tool.or_else(drawn).unwrap_or(machine.threading.flank_half_angle_deg);
+            libm::tan(deg.to_radians())
         };
         Grooved {
             tangents: cuts().map(|(number, planned)| (*number, tangent(planned.tool))).collect(),

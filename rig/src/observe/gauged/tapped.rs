@@ -76,7 +76,7 @@ impl Tap {
             let share = flute as f64 / FLUTES as f64;
             let on = self.away * -self.grows * share;
             let before = (station + self.stations - flute * self.stations / FLUTES) % self.stations;
-            let radius = self.tip_mm + x * (TAU * share).cos();
+            let radius = self.tip_mm + x * libm::cos(TAU * share);
             for tooth in 0..TEETH / FLUTES {
                 let along = self.away * tooth as f64 - self.grows * share;
                 let lacks = (1.0 - (tooth as f64 + on) / CHAMFER).clamp(0.0, 1.0) * self.chamfer_mm;
