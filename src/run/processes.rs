@@ -143,9 +143,12 @@ impl Launch<'_> {
             if self.wish == Wish::End {
                 return Ok(());
             }
-            self.look_for_the_frozen(news)?;
-            // In real time messages may be lost, the last ones among them.
-            force = !recorded && self.setup.clock == Clock::Real && self.channels.last_has_come();
+            // In real time messages may be lost: whoever has finished has told what there is of his.
+            let comes_to_its_end = self.setup.clock == Clock::Real && self.channels.last_has_come();
+            force = comes_to_its_end && self.all_is_told()?;
+            if !comes_to_its_end {
+                self.look_for_the_frozen(news)?;
+            }
             if news == 0 && !recorded {
                 let nap = if self.supervisor.is_watching() { NAP } else { SHORT_NAP };
                 self.space.launcher().wait_at_most(nap)?;
@@ -341,10 +344,20 @@ impl Launch<'_> {
 
     /// Whether somebody alive has not finished. Who does not although he has long known is taken for frozen.
     fn someone_is_busy(&mut self) -> Result<bool, CliError> {
+        self.is_busy(|_| true)
+    }
+
+    /// Whether whoever tells of cycles has told the last one. An interpreter may still wait for machine code.
+    fn all_is_told(&mut self) -> Result<bool, CliError> {
+        Ok(!self.is_busy(|process| process != Process::Interpreter)?)
+    }
+
+    fn is_busy(&mut self, counts: impl Fn(Process) -> bool) -> Result<bool, CliError> {
         let unfinished = self.space.unfinished()?;
         let living =
             |process: &Process| self.started.iter().any(|one| one.process == *process && one.lives());
-        let busy: Vec<Process> = unfinished.into_iter().filter(living).collect();
+        let busy: Vec<Process> =
+            unfinished.into_iter().filter(|process| counts(*process) && living(process)).collect();
         if self.watchdog.is_over() {
             busy.iter().for_each(|process| self.kill_frozen(*process));
         }

@@ -43,9 +43,11 @@ fn in_lock_step_a_launcher_that_stood_changes_no_cycle() {
 }
 
 /// A run in real time whose launcher stands for so long, and goes on then.
-fn stood_in_real_time(place: &Place, text: &str, stopped_s: f64) -> Summary {
+fn stood_in_real_time(place: &Place, text: &str, scenario: &str, stopped_s: f64) -> Summary {
+    let scenario = place.write("scenario.toml", scenario);
     let (mut command, _unread) = unread(command(place, text, &slow_machine()));
-    let mut launcher = command.args(["--clock", "real"]).spawn().expect("it starts");
+    command.args(["--clock", "real", "--scenario"]).arg(scenario);
+    let mut launcher = command.spawn().expect("it starts");
     runs(place);
     signal(launcher.id(), "STOP");
     wait_s(stopped_s);
@@ -53,8 +55,16 @@ fn stood_in_real_time(place: &Place, text: &str, stopped_s: f64) -> Summary {
     assert!(ends(&mut launcher, 60.0), "it does not end");
     let summary = summary(&place.at("run"));
     assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
-    assert!(was_busy(&summary) || summary.outcome == Outcome::Completed, "{:?}", summary.faults);
     summary
+}
+
+/// Whether each cycle was recorded or counted as lost, and some were lost.
+fn has_a_gap(place: &Place, summary: &Summary) -> bool {
+    let truth = summary.channels.iter().find(|channel| channel.name == "truth").expect("it is counted");
+    let kept = std::fs::read_to_string(place.at("run/arrivals.txt")).expect("it is there");
+    let all = kept.lines().find_map(|line| line.strip_prefix("until ")?.parse::<u64>().ok());
+    assert_eq!(all, Some(summary.cycles + truth.lost), "{truth:?}");
+    truth.lost > 0
 }
 
 #[test]
@@ -63,13 +73,43 @@ fn in_real_time_a_launcher_that_stood_loses_records_and_nothing_else() {
     let text = format!("G18 G21 G90 G8 G94\nG0 X50 Z90\nG4 P{:.1}\nG1 X49 F600\nM2\n", stopped_s + 2.5);
     let attempt = || {
         let place = Place::new();
-        let summary = stood_in_real_time(&place, &text, stopped_s);
-        let truth = summary.channels.iter().find(|channel| channel.name == "truth").expect("it is counted");
-        // Each cycle is recorded or counted as lost.
-        let kept = std::fs::read_to_string(place.at("run/arrivals.txt")).expect("it is there");
-        let all = kept.lines().find_map(|line| line.strip_prefix("until ")?.parse::<u64>().ok());
-        assert_eq!(all, Some(summary.cycles + truth.lost), "{truth:?}");
-        !was_busy(&summary) && truth.lost > 0
+        let summary = stood_in_real_time(&place, &text, "", stopped_s);
+        assert!(was_busy(&summary) || summary.outcome == Outcome::Completed, "{:?}", summary.faults);
+        has_a_gap(&place, &summary) && !was_busy(&summary)
     };
     assert!((0..ATTEMPTS).any(|_| attempt()), "answers were late each time the launcher stood");
+}
+
+/// The queues hold 4.1 s; the launcher stands for longer, and what happens to the machine in the gap is known.
+fn in_the_gap(dwell_s: f64, event: &str, is_told: impl Fn(&Summary) -> bool) {
+    let text = format!("G18 G21 G90 G8 G94\nG0 X50 Z90\nG4 P{dwell_s}\nM2\n");
+    let attempt = || {
+        let place = Place::new();
+        let summary = stood_in_real_time(&place, &text, event, 6.5);
+        let known = is_told(&summary);
+        assert!(was_busy(&summary) || known, "{:?} {:?}", summary.outcome, summary.faults);
+        has_a_gap(&place, &summary) && !was_busy(&summary)
+    };
+    assert!((0..ATTEMPTS).any(|_| attempt()), "answers were late each time the launcher stood");
+}
+
+#[test]
+fn a_program_that_ends_while_the_launcher_stands_has_come_to_its_end() {
+    in_the_gap(4.9, "", |summary| summary.outcome == Outcome::Completed && summary.faults.is_empty());
+}
+
+#[test]
+fn a_trip_while_the_launcher_stands_is_told() {
+    let event = "[[event]]\nat = { time_s = 5.5 }\ndrive_fault = \"z\"\n";
+    in_the_gap(60.0, event, |summary| {
+        let Some(first) = summary.faults.first() else { return false };
+        assert!(first.text.contains("cycles before are not recorded"), "{}", first.text);
+        (first.source.as_str(), first.code.as_str()) == ("regulator-z", "drive-fault")
+    });
+}
+
+#[test]
+fn a_stop_while_the_launcher_stands_is_told() {
+    let event = "[[event]]\nat = { time_s = 5.5 }\nstop = true\n";
+    in_the_gap(60.0, event, |summary| summary.outcome == Outcome::Stopped && summary.faults.is_empty());
 }

@@ -100,14 +100,21 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         let was_finished = interpolator.finished();
         let input = In { measurement: &measurement, axes: &statuses };
         let Some(out) = interpolator.tick(&input) else { continue };
-        record(&mut status, &out.status, measurement.last != 0)?;
+        finished = was_finished || measurement.last != 0;
+        // The last word may wait for a recorder that stands: nobody else is to wait for it.
+        let waits = finished && args.clock == Clock::Real;
+        if !waits {
+            record(&mut status, &out.status, false)?;
+        }
         for to in &mut axes {
             deliver(&mut to.frames, &out.frames[to.axis.index()])?;
             to.regulator.wake()?;
         }
         deliver(&mut spindle, &out.spindle)?;
         plant.wake()?;
-        finished = was_finished || measurement.last != 0;
+        if waits {
+            record(&mut status, &out.status, true)?;
+        }
     }
     notes.finish()?;
     deliver(&mut source.credit, &Credit::ENOUGH)?;

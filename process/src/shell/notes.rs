@@ -81,7 +81,10 @@ impl Notes {
         while !is_orphan() {
             match self.sender.send(&total) {
                 Ok(()) | Err(Undelivered::Receivers { .. }) => break,
-                Err(Undelivered::Full(_)) => time::sleep_until(time::Moment::now().after(super::PAUSE)),
+                Err(Undelivered::Full(_)) => {
+                    self.sender.comes_again();
+                    time::sleep_until(time::Moment::now().after(super::PAUSE));
+                }
                 Err(broken) => return Err(broken.into()),
             }
         }

@@ -1,9 +1,26 @@
 //! What the modules latch, as a person reads it. In: every control cycle the fault of each status. Out:
 //! reports in the order in which they came; of one cycle a cause before what it made of another axis.
 
-use protocol::{Axis, Fault};
+use protocol::{Axis, Fault, PerAxis};
 
 use super::{FaultReport, Observer, Record};
+
+/// What was seen last.
+#[derive(Clone, Default)]
+pub(super) struct Latched {
+    axes: PerAxis<u32>,
+    machine: u32,
+    /// The control cycle that comes next, if none is missing.
+    next_cycle: u64,
+}
+
+impl Latched {
+    /// How much of the record is missing before a cycle, in words: what is first seen there may be older.
+    fn gap(&mut self, cycle: u64) -> Option<String> {
+        let missing = cycle.saturating_sub(std::mem::replace(&mut self.next_cycle, cycle + 1));
+        (missing > 0).then(|| format!("first seen here: the {missing} cycles before are not recorded"))
+    }
+}
 
 /// Whether something else has caused it.
 fn follows(fault: &FaultReport) -> bool {
@@ -14,11 +31,13 @@ impl Observer {
     /// Takes the faults of a control cycle.
     pub(super) fn take_faults(&mut self, record: &Record) {
         let cycle = record.truth.cycle.0;
+        let gap = self.latched.gap(cycle);
         let faults = &mut self.out.faults;
         let mut take = |seen: &mut u32, code: u32, who: &dyn Fn() -> (String, Option<String>)| {
             if std::mem::replace(seen, code) != code && code != 0 {
                 let (source, detail) = who();
-                faults.push(FaultReport::of(cycle, source, code, detail));
+                let detail = Vec::from_iter(detail.into_iter().chain(gap.clone())).join("; ");
+                faults.push(FaultReport::of(cycle, source, code, Some(detail).filter(|it| !it.is_empty())));
             }
         };
         let mut corrected = 0;
@@ -30,7 +49,7 @@ impl Observer {
                 _ => (counts != 0).then(|| format!("{counts:+} counts")),
             };
             let who = || (format!("regulator-{}", axis.name()), told());
-            take(&mut self.fault_codes.0[axis.index()], status.fault, &who);
+            take(&mut self.latched.axes[axis.index()], status.fault, &who);
             swing.cycle(status.servo_error_mm);
             if status.fault == 0 {
                 corrected = corrected.max(status.encoder_counts);
@@ -40,7 +59,7 @@ impl Observer {
             let axis = Axis::ALL.get(usize::from(record.machine.fault_axis).checked_sub(1)?)?;
             Some(format!("regulator-{}", axis.name()))
         };
-        take(&mut self.fault_codes.1, record.machine.fault, &|| ("interpolator".into(), concerned()));
+        take(&mut self.latched.machine, record.machine.fault, &|| ("interpolator".into(), concerned()));
         if faults.last().is_some_and(|fault| fault.cycle == cycle) {
             faults.sort_by_key(|fault| (fault.cycle, follows(fault)));
         }

@@ -82,6 +82,7 @@ use bus::Bus;
 use circle::Circles;
 use contour::Contour;
 use corrected::Corrected;
+use faults::Latched;
 use gauged::{Gauged, Grooved};
 use inside::Inside;
 use led::Setpoints;
@@ -132,8 +133,7 @@ pub struct Observer {
     /// Neither the hash nor timed motion is asked for.
     brief: bool,
     batch: Vec<u8>,
-    /// Fault last seen of every axis, and of the interpolator.
-    fault_codes: (PerAxis<u32>, u32),
+    latched: Latched,
     swings: PerAxis<Swing>,
     corrected: Corrected,
     bus: Bus,
@@ -170,7 +170,7 @@ impl Observer {
             hash: blake3::Hasher::new(),
             brief: false,
             batch: Vec::with_capacity(2 * HASH_BATCH),
-            fault_codes: Default::default(),
+            latched: Latched::default(),
             swings: Swing::of(machine),
             corrected: Corrected::default(),
             bus: Bus::of(machine),
