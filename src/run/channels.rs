@@ -201,6 +201,17 @@ impl Channels {
         axes.map(|(axis, _)| Process::Regulator(*axis)).or(interpolator.then_some(Process::Interpolator))
     }
 
+    /// Takes what a process that has died had said before.
+    pub(crate) fn last_words(&mut self, process: Process) -> Result<(), CliError> {
+        if process == Process::Interpolator {
+            self.ticks.drain(|status| status.cycle.0, |_| {})?;
+        }
+        for (_, source) in self.axes.iter_mut().filter(|(axis, _)| process == Process::Regulator(*axis)) {
+            source.drain(|status| status.cycle.0, |_| {})?;
+        }
+        Ok(())
+    }
+
     /// The first control cycle that a process has not answered.
     pub(crate) fn unanswered(&self, process: Process) -> u64 {
         let axis = |axis| self.axes.iter().find(|(other, _)| *other == axis);

@@ -2,7 +2,7 @@
 //! What caused a fault is listed before it.
 
 use process::ipc::{ChannelCount, Process};
-use protocol::operator::Request;
+use protocol::{Fault, operator::Request};
 use rig::{
     observe::{FaultReport, Outcome, Summary},
     standstill::WAIT_S,
@@ -21,6 +21,8 @@ pub(crate) struct Death {
     pub(crate) ending: String,
     /// The first control cycle that it has not answered.
     pub(crate) cycle: u64,
+    /// Since when nothing has come of what it makes, if that was missed before the death was noticed.
+    pub(crate) missed: Option<u64>,
     /// The machine had ended before.
     pub(crate) over: bool,
     /// It was killed because it did not answer.
@@ -104,12 +106,15 @@ impl Endings {
         let harmless = |death: &&Death| {
             death.over || death.process == Process::Interpreter && summary.outcome != Outcome::Faulted
         };
-        let (harmless, harmful): (Vec<_>, Vec<_>) = self.deaths.iter().partition(harmless);
-        summary.warnings.extend(harmless.into_iter().map(|death| self.report(death)));
-        for death in harmful {
-            let behind = |fault: &FaultReport| fault.cycle >= death.cycle;
+        let (harmless, mut harmful): (Vec<_>, Vec<_>) = self.deaths.iter().partition(harmless);
+        summary.warnings.extend(harmless.into_iter().map(|death| death.report(death.cycle)));
+        harmful.sort_by_key(|death| death.cycle);
+        // Backwards, so that of deaths in one cycle the first that was noticed is the first told.
+        for death in harmful.into_iter().rev() {
+            let behind = |fault: &FaultReport| fault.cycle >= death.cycle || death.starved(fault);
             let place = summary.faults.iter().position(behind).unwrap_or(summary.faults.len());
-            summary.faults.insert(place, self.report(death));
+            let next = summary.faults.get(place).map_or(death.cycle, |fault| fault.cycle);
+            summary.faults.insert(place, death.report(death.cycle.min(next)));
         }
         if let Some((cycle, waits_for)) = self.unattended {
             let text = format!(
@@ -132,16 +137,24 @@ impl Endings {
             summary.outcome = Outcome::Faulted;
         }
     }
+}
 
-    fn report(&self, death: &Death) -> FaultReport {
-        let (code, text) = match death.frozen {
+impl Death {
+    /// Whether a fault came of it before it was noticed: who had to do without what the dead makes.
+    fn starved(&self, fault: &FaultReport) -> bool {
+        let hungry = [Fault::StreamStarved, Fault::PassCalledOff, Fault::BadMachineCode].map(Fault::code);
+        self.missed.is_some_and(|since| fault.cycle >= since) && hungry.contains(&fault.code.as_str())
+    }
+
+    fn report(&self, cycle: u64) -> FaultReport {
+        let (code, text) = match self.frozen {
             true => (
                 "process-frozen",
                 "it did not answer any more, all others waited for it, and it was killed".into(),
             ),
-            false => ("process-died", format!("the process {}", death.ending)),
+            false => ("process-died", format!("the process {}", self.ending)),
         };
-        FaultReport { cycle: death.cycle, source: death.process.name(), code: code.into(), text }
+        FaultReport { cycle, source: self.process.name(), code: code.into(), text }
     }
 }
 
@@ -154,4 +167,63 @@ pub(crate) fn program_changed(summary: &mut Summary) {
 
 fn launcher_s(cycle: u64, code: &str, text: String) -> FaultReport {
     FaultReport { cycle, source: "launcher".into(), code: code.into(), text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(deaths: &[(Process, u64, Option<u64>)], faults: &[(&str, u64, Fault)]) -> Vec<(String, u64)> {
+        let mut endings = Endings::default();
+        for (process, cycle, missed) in deaths {
+            let (process, cycle, missed, ending) = (*process, *cycle, *missed, String::new());
+            endings.died(Death { process, ending, cycle, missed, over: false, frozen: false });
+        }
+        let fault = |(source, cycle, fault): &(&str, u64, Fault)| FaultReport {
+            cycle: *cycle,
+            source: (*source).into(),
+            code: fault.code().into(),
+            text: String::new(),
+        };
+        let mut summary = Summary { faults: faults.iter().map(fault).collect(), ..Summary::default() };
+        summary.outcome = Outcome::Faulted;
+        endings.tell(&mut summary);
+        summary.faults.into_iter().map(|fault| (fault.source, fault.cycle)).collect()
+    }
+
+    fn order(of: &[(&str, u64)]) -> Vec<(String, u64)> {
+        of.iter().map(|(source, cycle)| ((*source).into(), *cycle)).collect()
+    }
+
+    /// A launcher that is busy notices a death late: the machine missed its code before.
+    #[test]
+    fn who_starved_by_a_death_is_told_behind_it_however_late_it_was_noticed() {
+        let starved = [
+            ("interpolator", 120, Fault::StreamStarved),
+            ("regulator-x", 121, Fault::Stopped),
+            ("interpolator", 131, Fault::BadMachineCode),
+        ];
+        let death = |missed| [(Process::Interpreter, 130, missed)];
+        let dead_first =
+            [("interpreter", 120), ("interpolator", 120), ("regulator-x", 121), ("interpolator", 131)];
+        assert_eq!(told(&death(Some(90)), &starved), order(&dead_first));
+        // Code came between: it starved by something else.
+        let later =
+            [("interpolator", 120), ("regulator-x", 121), ("interpreter", 130), ("interpolator", 131)];
+        assert_eq!(told(&death(Some(125)), &starved), order(&later));
+        assert_eq!(told(&death(None), &starved), order(&later));
+        // And a drive that tripped before has not done so for want of code.
+        let tripped = [("regulator-z", 100, Fault::DriveFault), ("interpolator", 131, Fault::BadMachineCode)];
+        let first = [("regulator-z", 100), ("interpreter", 130), ("interpolator", 131)];
+        assert_eq!(told(&death(Some(90)), &tripped), order(&first));
+    }
+
+    #[test]
+    fn deaths_are_told_by_their_cycles_and_of_one_cycle_as_they_were_noticed() {
+        let deaths =
+            [(Process::Interpolator, 50, None), (Process::Plant, 50, None), (Process::Interpreter, 40, None)];
+        let faults = [("regulator-x", 50, Fault::InterpolatorSilent)];
+        let order_of = [("interpreter", 40), ("interpolator", 50), ("sim-plant", 50), ("regulator-x", 50)];
+        assert_eq!(told(&deaths, &faults), order(&order_of));
+    }
 }

@@ -115,7 +115,8 @@ fn unread(text: &str, cycle: u64) -> (Module, Death) {
     let ending = format!(
         "met an error, though the program was good when it was checked: it has changed since. {text}"
     );
-    let death = Death { process: Process::Interpreter, ending, cycle, over: false, frozen: false };
+    let death =
+        Death { process: Process::Interpreter, ending, cycle, missed: None, over: false, frozen: false };
     (Module::Interpreter, death)
 }
 
@@ -153,7 +154,7 @@ impl Doomed {
         self.frozen.retain(|(module, _)| !self.dead.contains(module));
         let death = |(module, cycle, frozen)| {
             let (process, ending) = (Process::of(module), "was killed by the scenario".into());
-            (module, Death { process, ending, cycle, over: false, frozen })
+            (module, Death { process, ending, cycle, missed: None, over: false, frozen })
         };
         dead.into_iter().map(death).collect()
     }

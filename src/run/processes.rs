@@ -225,9 +225,13 @@ impl Launch<'_> {
             if self.started[index].has_ended()? {
                 let (process, ending) = (self.started[index].process, self.started[index].ending());
                 let said = format!("{} {ending}", process.name());
+                self.channels.last_words(process)?;
+                self.hear_of_arrivals()?;
                 let cycle = self.channels.unanswered(process);
+                let missed = self.recorder.hungry_since().filter(|_| process == Process::Interpreter);
                 let frozen = self.frozen.contains(&process);
-                self.endings.died(Death { process, ending, cycle, over: self.channels.ended(), frozen });
+                let over = self.channels.ended();
+                self.endings.died(Death { process, ending, cycle, missed, over, frozen });
                 match process.module() {
                     Some(module) => {
                         let request = self.supervisor.died(module, cycle);

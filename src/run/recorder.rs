@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use machine::Machine;
 use process::shell::Clock;
-use protocol::Axis;
+use protocol::{Axis, Input, Taken};
 use rig::{
     observe::{Observer, Record, Summary},
     replay::{Arrivals, Collector},
@@ -104,6 +104,13 @@ impl Recorder {
     /// What has been observed so far.
     pub(crate) fn observer(&self) -> &Observer {
         &self.observer
+    }
+
+    /// Since which control cycle the interpolator has wanted machine code and got none, in real time.
+    pub(crate) fn hungry_since(&self) -> Option<u64> {
+        let changes = &self.arrivals.so_far().changes;
+        let (cycle, _, taken) = changes.iter().rfind(|(_, input, _)| *input == Input::Code)?;
+        (*taken == Taken::This(0)).then_some(*cycle)
     }
 
     /// Tells the operator something.

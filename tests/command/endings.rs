@@ -338,3 +338,20 @@ fn a_hold_that_nobody_releases_ends_the_run_and_is_named() {
         std::fs::remove_dir_all(place.at("run")).expect("the run folder");
     }
 }
+
+/// The last cycle of such a machine has a tick, behind the one in which its interpolator had finished: the
+/// launcher waited for it for ever.
+#[test]
+fn a_machine_with_a_tick_in_every_control_cycle_comes_to_its_end() {
+    let place = Place::new();
+    let text = "G18 G21 G90 G8\nM3 S300\nG0 X20 Z15\nG0 X9.9\nG33 Z-5 K2\nG0 X20\nM5\nM2\n";
+    let hash = |more: &[&str]| {
+        let mut command = command(&place, text, &slow_machine());
+        let mut launcher = command.args(["--trace", "none"]).args(more).spawn().expect("it starts");
+        assert!(ends(&mut launcher, 30.0), "{more:?}: it does not end");
+        let summary = summary(&place.at("run"));
+        assert_eq!(summary.outcome, Outcome::Completed, "{more:?}: {:?}", summary.faults);
+        (summary.trace_hash, summary.cycles)
+    };
+    assert_eq!(hash(&[]), hash(&["--in-process"]));
+}

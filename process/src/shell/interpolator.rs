@@ -76,7 +76,12 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut statuses: PerAxis<AxisStatus> = [AxisStatus::default(); AXES];
     let (mut finished, mut expected) = (false, 0);
     let mut wait = Wait::on(Process::Plant);
-    // The tick after the one that says "finished" is the last: its predecessor is in force then.
+    // The tick after the one that says "finished" is the last: its predecessor is in force then. In lock step
+    // the one behind it is waited for where each control cycle has a tick: its record has one, too.
+    let is_last = |was_finished: bool, measurement: &Measurement| {
+        let enough = args.clock == Clock::Real || machine.cycles_per_tick() > 1;
+        measurement.last != 0 || was_finished && enough
+    };
     while !finished && !wait.is_in_vain(&mut member) {
         let Some(measurement) = measurements.receive()?.filter(Measurement::is_whole) else {
             wait.sleep(&mut member, args.clock)?;
@@ -100,7 +105,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         let was_finished = interpolator.finished();
         let input = In { measurement: &measurement, axes: &statuses };
         let Some(out) = interpolator.tick(&input) else { continue };
-        finished = was_finished || measurement.last != 0;
+        finished = is_last(was_finished, &measurement);
         // The last word may wait for a recorder that stands: nobody else is to wait for it.
         let waits = finished && args.clock == Clock::Real;
         if !waits {
