@@ -3,12 +3,13 @@
 use std::{path::PathBuf, process::ExitCode};
 
 use clap::Args;
+use rig::observe::Summary;
 
 use crate::{
     error::CliError,
     run::{JOURNAL, claim::SUMMARY, folder::without_summary},
     screen,
-    words::Phase,
+    words::{self, Phase},
     written::{self, Made},
 };
 
@@ -30,6 +31,10 @@ pub(crate) fn report(args: &ReportArgs) -> Result<ExitCode, CliError> {
     let drawing = Phase::begin(DRAWING);
     let path = report::render(&args.run_dir)?;
     drop(drawing);
+    let summary = Summary::read(&args.run_dir.join(SUMMARY)).ok();
+    if let Some(damage) = summary.and_then(|summary| report::damage(&args.run_dir, &summary)) {
+        words::say(&format!("warning: {damage} The figures of the page are those of the run.\n"));
+    }
     screen::print(&format!("{}\n", path.display()));
     Ok(ExitCode::SUCCESS)
 }

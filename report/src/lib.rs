@@ -20,4 +20,4 @@ pub mod paint;
 mod run;
 pub mod table;
 
-pub use run::{ReportError, render};
+pub use run::{ReportError, damage, render};

@@ -13,12 +13,17 @@ mod view;
 mod web;
 
 use std::{
+    fs::File,
+    io::Write as _,
     net::TcpListener,
     os::{
         fd::AsFd as _,
-        unix::{fs::DirBuilderExt as _, net::UnixStream},
+        unix::{
+            fs::{DirBuilderExt as _, MetadataExt as _},
+            net::UnixStream,
+        },
     },
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::ExitCode,
     time::Duration,
 };
@@ -122,27 +127,59 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
 }
 
 /// The program of work by hand before anything is given: it waits. It lies in a folder of its own, which goes
-/// with it.
+/// with it; that of a panel that was killed goes with the next one. A lock on the file says that its panel lives.
 struct Empty {
     path: PathBuf,
+    _lives: File,
+}
+
+/// What such a folder is called before its number.
+const FOLDER: &str = "pitchlock-by-hand-";
+
+/// Removes what panels of this user have left that were killed. What is another user's, a link, held, or holds
+/// anything else, stays.
+fn sweep(temporary: &Path, own: u32) {
+    let Ok(entries) = std::fs::read_dir(temporary) else { return };
+    for entry in entries.flatten() {
+        let folder = entry.path();
+        let named = entry.file_name().to_str().is_some_and(|name| name.starts_with(FOLDER));
+        let Ok(found) = std::fs::symlink_metadata(&folder) else { continue };
+        if !(named && found.is_dir() && found.uid() == own) {
+            continue;
+        }
+        let path = folder.join(args::BY_HAND);
+        if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) && std::fs::remove_file(&path).is_ok()
+        {
+            // Whatever else is in it keeps it.
+            let _ = std::fs::remove_dir(&folder);
+        }
+    }
 }
 
 impl Empty {
     fn new(asked: &RunArgs) -> Result<Empty, CliError> {
         let (machine, _) = asked.machine.read()?;
         // A name that nobody can foresee, and take.
-        let name = format!("pitchlock-by-hand-{:016x}", process::ipc::unforeseen());
-        let folder = std::env::temp_dir().join(name);
+        let name = format!("{FOLDER}{:016x}", process::ipc::unforeseen());
+        let temporary = std::env::temp_dir();
+        let folder = temporary.join(name);
         let path = folder.join(args::BY_HAND);
         let failed =
             |error: &dyn std::fmt::Display| CliError::Machine(format!("{}: {error}", path.display()));
         std::fs::DirBuilder::new().mode(0o700).create(&folder).map_err(|error| failed(&error))?;
+        let made = std::fs::symlink_metadata(&folder).map_err(|error| failed(&error))?;
+        sweep(&temporary, made.uid());
         let items = vec![hand::BEGINS, Item { line: 0, code: Code::End }];
         let file = CodeFile::new(args::BY_HAND, &machine.identity(), items);
         let mut bytes = Vec::new();
         file.write(&mut bytes).map_err(|error| failed(&error))?;
-        std::fs::write(&path, bytes).map_err(|error| failed(&error))?;
-        Ok(Empty { path })
+        // It gets its name when it is held: before, it would be taken for one that was left.
+        let unnamed = folder.join("new");
+        let mut lives = File::create_new(&unnamed).map_err(|error| failed(&error))?;
+        lives.lock().map_err(|error| failed(&error))?;
+        lives.write_all(&bytes).map_err(|error| failed(&error))?;
+        std::fs::rename(&unnamed, &path).map_err(|error| failed(&error))?;
+        Ok(Empty { path, _lives: lives })
     }
 }
 

@@ -75,11 +75,14 @@ impl Recorded {
             ))
         })?;
         let arrivals = Arrivals::from_text(&text).map_err(|error| CliError::file(&path, error))?;
-        if arrivals.until < summary.cycles && arrivals.gap.is_none() {
-            return Err(refused(format!("{ARRIVALS} is torn: it does not say how far the run went")));
-        }
         if let Some(gap) = &arrivals.gap {
             return Err(refused(format!("the record of what reached its modules has a gap: {gap}")));
+        }
+        if arrivals.until < summary.cycles || !arrivals.ended {
+            let cycle = arrivals.changes.last().map_or(0, |change| change.0);
+            return Err(refused(format!(
+                "{ARRIVALS} is torn behind control cycle {cycle}: its end is missing"
+            )));
         }
         if summary.faults.iter().any(|fault| fault.code == "program-changed") {
             return Err(refused("its program was changed while it ran".into()));

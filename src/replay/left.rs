@@ -150,6 +150,9 @@ impl Left {
             here[axis.index()] = config.position(&plant.measurement().axes[axis.index()]);
         }
         let refused = |refusal| CliError::Input(format!("{}: {refusal}", self.recorded.name));
+        if self.known.is_none() && self.tools_of_before().is_some() {
+            return Err(refused(Refusal::WhichTable));
+        }
         let by = |tools| self.recorded.items_by(tools).into_iter().flatten();
         let own = self.recorded.tools();
         let at = |tools| resume::plan(machine, || by(tools), &self.state(), &here);
@@ -223,7 +226,13 @@ fn arrivals(dir: &Path, known_cycle: u64) -> Result<Arrivals, CliError> {
     let path = dir.join(ARRIVALS);
     let whole = intake::text(&path, rig::replay::MOST_BYTES).ok();
     let arrivals = match whole {
-        Some(text) => Arrivals::from_text(&text).map_err(|error| CliError::file(&path, error))?,
+        Some(text) => {
+            let whole = Arrivals::from_text(&text).map_err(|error| CliError::file(&path, error))?;
+            match whole.ended {
+                true => whole,
+                false => Arrivals { until: whole.until.max(known_cycle + 1), damaged: true, ..whole },
+            }
+        }
         None => {
             let until = moment::cycles(dir).unwrap_or(0).max(known_cycle + 1);
             Arrivals { until, ..moment::arrivals(dir) }

@@ -27,6 +27,9 @@ const WAITING: usize = 64;
 /// The disk is asked to have it at most so often: of a machine that runs much faster than in truth, asking
 /// for each record by itself would take three in a hundred of the run.
 const GATHER: Duration = Duration::from_millis(20);
+/// The same of a machine that runs as fast as it can be computed: what is written is safe from a kill at once,
+/// and asking took half of what a journal costs.
+const GATHER_FAST: Duration = Duration::from_millis(60);
 
 /// Room beside a journal for the one that takes its place, bytes.
 const SPARE: usize = 4096;
@@ -77,12 +80,14 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// A new journal in a run folder.
-    pub(crate) fn create(folder: &Path, keeper: Keeper) -> Result<Journal, CliError> {
+    /// A new journal in a run folder, of a machine that keeps to the wall or runs as `fast` as it can.
+    pub(crate) fn create(folder: &Path, keeper: Keeper, fast: bool) -> Result<Journal, CliError> {
         let path = folder.join(JOURNAL);
         let book = Spared::create(&path).map(Book::new).map_err(|error| CliError::file(&path, error))?;
         let (to_disk, news) = sync_channel(WAITING);
-        let thread = std::thread::Builder::new().name("journal".into()).spawn(move || write(&news, book));
+        let gather = if fast { GATHER_FAST } else { GATHER };
+        let thread = std::thread::Builder::new().name("journal".into());
+        let thread = thread.spawn(move || write(&news, book, gather));
         let thread = thread.map_err(|error| CliError::Machine(error.to_string()))?;
         Ok(Journal { keeper, to_disk, thread, kept_back: None })
     }
@@ -111,13 +116,13 @@ impl Journal {
 
 /// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what
 /// follows.
-fn write(news: &Receiver<State>, mut book: Book<Spared>) -> io::Result<()> {
+fn write(news: &Receiver<State>, mut book: Book<Spared>, gather: Duration) -> io::Result<()> {
     // When the disk was asked last, and whether something waits for it.
     let (mut asked, mut waits) = (None::<Moment>, false);
     // Why the last one could not be written. The next one is tried again: it is a whole state.
     let mut failed = None;
     loop {
-        let rest = asked.map_or(Duration::ZERO, |asked| GATHER.saturating_sub(asked.elapsed()));
+        let rest = asked.map_or(Duration::ZERO, |asked| gather.saturating_sub(asked.elapsed()));
         let came = match waits {
             false => news.recv().map_err(|_| RecvTimeoutError::Disconnected),
             true => news.recv_timeout(rest),

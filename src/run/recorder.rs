@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use machine::Machine;
-use process::shell::Clock;
+use process::shell::{Clock, Pace};
 use protocol::{Axis, Input, Taken};
 use rig::{
     observe::{Observer, Record, Summary},
@@ -48,6 +48,7 @@ impl Recorder {
         let head = Arrivals::head(one_process, setup.clock == Clock::Real, setup.seed);
         let observer = setup.program.observer(&setup.machine);
         let kept = !setup.unkept;
+        let fast = setup.clock == Clock::Virtual && setup.pace == Pace::MAX;
         Ok(Recorder {
             observer: match setup.resumed.as_ref() {
                 Some(resumed) => observer.going_on(resumed.observer.clone()).resumed(resumed.report.clone()),
@@ -55,7 +56,7 @@ impl Recorder {
             },
             trace_path: setup.folder.trace.map(|format| setup.folder.path.join(format.file_name())),
             trace: setup.folder.trace.map(create).transpose()?,
-            journal: kept.then(|| Journal::create(&setup.folder.path, setup.keeper())).transpose()?,
+            journal: kept.then(|| Journal::create(&setup.folder.path, setup.keeper(), fast)).transpose()?,
             arrivals: Collector::new(one_process, setup.machine.cycles_per_tick()),
             kept: setup.folder.path.join(ARRIVALS),
             live: kept.then(|| Live::create(&setup.folder.path, &head)).transpose()?,

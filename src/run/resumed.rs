@@ -112,7 +112,7 @@ impl Resumed {
             None => "how far it came: it begins where the tool may have been first".into(),
         }];
         if self.left.record_is_damaged() {
-            let text = "what was done at the panel, or failed, last: the end of arrivals.live is damaged, and the machine is \
+            let text = "what was done at the panel, or failed, last: the end of arrivals.txt or arrivals.live is damaged, and the machine is \
                         made again without it";
             unknown.push(text.into());
         }

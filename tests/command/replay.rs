@@ -257,8 +257,10 @@ fn a_run_that_is_another_one_is_told_where_and_one_without_its_record_is_refused
         Some(format!("{text}incomplete 3 of what interpolator told\n")),
         "has a gap: 3 of what interpolator told",
     );
-    refused(Some(format!("{text}12 drive-command/q due\n")), "line 5");
-    refused(Some(text[..text.len() / 2].into()), "arrivals.txt is torn");
+    refused(Some(format!("{text}12 drive-command/q due\n")), "line 6");
+    let end = text.rfind("end ").expect("it says where it ends");
+    refused(Some(text[..end].into()), "arrivals.txt is torn behind control cycle 0");
+    refused(Some(text.replacen("until ", "until 1", 1)), "behind line 1, from control cycle 0 on");
     refused(None, "what reached its modules and when");
 }
 

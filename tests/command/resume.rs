@@ -338,7 +338,12 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
     assert!(told.status == Some(0) && told.stdout.contains("begins    at line"), "{}", told.stderr);
     assert!(held(&place.at("run")) == before && !place.at("runs").exists());
 
-    // Nothing is left of its journal: it begins where the tool may have been first.
+    // Nothing is left of its journal: which tool is in the holder, nobody knows. If there is only one, it begins
+    // where that may have been first.
+    fs::write(place.at("run/journal.bin"), [0x55; 700]).expect("room");
+    refused(&[], "nobody knows which one is in the holder");
+    let program = place.write("screw.ngc", PROGRAM.replace("T1\n", "T3\n")).display().to_string();
+    assert!(killed(&place, 9000, &["--in-process", &program]), "it is killed in the middle");
     fs::write(place.at("run/journal.bin"), [0x55; 700]).expect("room");
     let told = place.ask(&["run", "run", "--resume", "--dry-run"]);
     assert!(told.status == Some(0) && told.stdout.contains("no whole record"), "{}", told.stderr);

@@ -218,3 +218,35 @@ fn a_tool_table_that_makes_another_program_is_refused() {
     let words = "only X and Z of its tools may differ";
     assert!(answer.status == Some(2) && answer.stderr.contains(words), "{}", answer.stderr);
 }
+
+/// A journal of which nothing is left, where another tool may be in the holder: nobody guesses which.
+#[test]
+fn without_a_journal_nobody_guesses_which_tool_is_in_the_holder() {
+    let refused = |place: &Place, folder: &str, words: &str| {
+        let path = place.at(folder).join("journal.bin");
+        let length = fs::metadata(&path).expect("a journal").len() as usize;
+        fs::write(&path, vec![0x5a; length]).expect("room");
+        let answer = place.ask(&["run", folder, "--resume", "--out", "on"]);
+        assert!(answer.status == Some(2) && answer.stderr.contains(words), "{}", answer.stderr);
+        assert!(answer.stderr.contains("from its beginning") && !place.at("on").exists());
+    };
+    let place = Place::new();
+    // Both tools turn over the same place, and it is broken off there.
+    let twice =
+        PROGRAM.replace("T3 M6 G43\n", "T3 M6 G43\nM3 S900\nG0 X9.91 Z1\nG1 Z-12 F600\nG1 X12\nG0 Z8\n");
+    let lengths = TABLE.replace("T3 P3 X-0.2 Z2.0", "T3 P3 X0.5 Z1.0");
+    let program = place.write("screw.ngc", &twice).display().to_string();
+    let table = place.write("shop.tbl", &lengths).display().to_string();
+    let scenario = place.write("abort.toml", "[[event]]\nat = { line = 12 }\nabort = true\n");
+    let asked = ["run", &program, "--in-process", "--tools", &table, "--out", "first", "--trace", "none"];
+    place.ask(&[&asked[..], &["--scenario", &scenario.display().to_string()]].concat());
+    let told = place.ask(&["run", "first", "--resume", "--dry-run"]);
+    assert_eq!(told.status, Some(0), "{}", told.stderr);
+    refused(&place, "first", "tool 1 in line 5 and tool 3 in line 1");
+
+    // And where it went on with another table than the run before.
+    aborted(&place, PROGRAM, "{ pass = 3, z_mm = -5.0 }");
+    let new = place.write("new.tbl", NEW).display().to_string();
+    assert!(killed(&place, 1, &["first", "--resume", "--tools", &new, "--pace", "0.05"]), "it is killed");
+    refused(&place, "run", "went on with another tool table");
+}

@@ -1,7 +1,11 @@
 //! The recorder and the terminal stand: a launcher that is stopped, words that nobody reads. The machine does
 //! the same, and in real time what is not recorded is counted cycle by cycle.
 
-use std::{io::Write as _, process::Command};
+use std::{
+    io::Write as _,
+    process::Command,
+    sync::{Mutex, PoisonError},
+};
 
 use rig::observe::{Outcome, Summary};
 
@@ -42,8 +46,12 @@ fn in_lock_step_a_launcher_that_stood_changes_no_cycle() {
     assert!(stood.channels.iter().all(|channel| channel.lost == 0), "{:?}", stood.channels);
 }
 
+/// One such run at a time: two would be late by each other.
+static ALONE: Mutex<()> = Mutex::new(());
+
 /// A run in real time whose launcher stands for so long, and goes on then.
 fn stood_in_real_time(place: &Place, text: &str, scenario: &str, stopped_s: f64) -> Summary {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let scenario = place.write("scenario.toml", scenario);
     let (mut command, _unread) = unread(command(place, text, &slow_machine()));
     command.args(["--clock", "real", "--scenario"]).arg(scenario);

@@ -35,11 +35,23 @@ fn the_trace_of_another_run_is_not_drawn() {
         let answer = place.ask(&["report", "one"]);
         assert_eq!(answer.status, Some(0), "{}", answer.stderr);
         let page = fs::read_to_string(place.at("one/report.html")).expect("a report");
-        page.contains("is not the one that this run has written")
+        let words = ["is not the one that this run has written", "is not in its folder any more"];
+        let told = words.map(|words| page.contains(words));
+        assert_eq!(words.map(|words| answer.stderr.contains(words)), told, "{}", answer.stderr);
+        told
     };
-    assert!(!said());
-    fs::copy(place.at("other/trace.csv"), place.at("one/trace.csv")).expect("room");
-    assert!(said());
+    assert_eq!(said(), [false, false]);
+    let path = place.at("one/trace.csv");
+    let mut own = fs::read(&path).expect("a trace");
+    fs::copy(place.at("other/trace.csv"), &path).expect("room");
+    assert_eq!(said(), [true, false]);
+    // One bit is enough, and the terminal is told as well as the page.
+    let at = own.len() / 2;
+    own[at] ^= 1;
+    fs::write(&path, &own).expect("room");
+    assert_eq!(said(), [true, false]);
+    fs::remove_file(&path).expect("it is ours");
+    assert_eq!(said(), [false, true]);
 }
 
 #[test]

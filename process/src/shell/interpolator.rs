@@ -1,7 +1,8 @@
 //! The process of the interpolator: receive, tick, send.
 
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Input, Measurement, PerAxis, Taken, units::AXES,
+    Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Input, MachineStatus, Measurement, PerAxis,
+    SpindleCommand, Taken, units::AXES,
 };
 
 use crate::{
@@ -9,7 +10,7 @@ use crate::{
     shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, record},
 };
 
-use interpolator::{In, Interpolator};
+use interpolator::{In, Interpolator, Out};
 
 /// The ports to one regulator.
 struct ToAxis {
@@ -76,12 +77,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut statuses: PerAxis<AxisStatus> = [AxisStatus::default(); AXES];
     let (mut finished, mut expected) = (false, 0);
     let mut wait = Wait::on(Process::Plant);
-    // The tick after the one that says "finished" is the last: its predecessor is in force then. In lock step
-    // the one behind it is waited for where each control cycle has a tick: its record has one, too.
-    let is_last = |was_finished: bool, measurement: &Measurement| {
-        let enough = args.clock == Clock::Real || machine.cycles_per_tick() > 1;
-        measurement.last != 0 || was_finished && enough
-    };
+    let enough = args.clock == Clock::Real || machine.cycles_per_tick() > 1;
     while !finished && !wait.is_in_vain(&mut member) {
         let Some(measurement) = measurements.receive()?.filter(Measurement::is_whole) else {
             wait.sleep(&mut member, args.clock)?;
@@ -105,21 +101,11 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         let was_finished = interpolator.finished();
         let input = In { measurement: &measurement, axes: &statuses };
         let Some(out) = interpolator.tick(&input) else { continue };
-        finished = is_last(was_finished, &measurement);
-        // The last word may wait for a recorder that stands: nobody else is to wait for it.
+        // The tick after the one that says "finished" is the last: its predecessor is in force then. Where each
+        // control cycle has a tick, lock step has one behind that.
+        finished = measurement.last != 0 || was_finished && enough;
         let waits = finished && args.clock == Clock::Real;
-        if !waits {
-            record(&mut status, &out.status, false)?;
-        }
-        for to in &mut axes {
-            deliver(&mut to.frames, &out.frames[to.axis.index()])?;
-            to.regulator.wake()?;
-        }
-        deliver(&mut spindle, &out.spindle)?;
-        plant.wake()?;
-        if waits {
-            record(&mut status, &out.status, true)?;
-        }
+        send(&mut axes, &mut spindle, &plant, &mut status, &out, waits)?;
     }
     notes.finish()?;
     deliver(&mut source.credit, &Credit::ENOUGH)?;
@@ -128,6 +114,27 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     counts.extend([source.code.count(), source.credit.count(), notes.count()]);
     counts.extend(axes.iter().flat_map(|to| [to.frames.count(), to.statuses.count()]));
     Ok(member.finish(&counts)?)
+}
+
+/// Sends what a tick says and commands. A last word waits for a recorder that stands, and nobody else for it.
+fn send(
+    axes: &mut [ToAxis],
+    spindle: &mut Sender<SpindleCommand>,
+    plant: &Waker,
+    status: &mut Sender<MachineStatus>,
+    out: &Out,
+    waits: bool,
+) -> Result<(), ShellError> {
+    if !waits {
+        record(status, &out.status, false)?;
+    }
+    for to in axes {
+        deliver(&mut to.frames, &out.frames[to.axis.index()])?;
+        to.regulator.wake()?;
+    }
+    deliver(spindle, &out.spindle)?;
+    plant.wake()?;
+    if waits { record(status, &out.status, true) } else { Ok(()) }
 }
 
 /// The status of the cycle before the tick. It was sent before that cycle's command to the drive, so in lock

@@ -104,18 +104,29 @@ pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
     }
 }
 
+/// What is wrong with the trace of a run, if anything: it was swapped in, is not whole any more, or has gone.
+#[must_use]
+pub fn damage(run_dir: &Path, summary: &Summary) -> Option<&'static str> {
+    let own = summary.trace_file_hash.as_ref()?;
+    match trace::find(run_dir) {
+        None => {
+            Some("The trace that this run has written is not in its folder any more, so it is not drawn.")
+        }
+        // One that cannot be read at all is told where it is read.
+        Some(path) => trace::hash_of(&path).is_ok_and(|hash| *own != hash).then_some(
+            "The trace in this folder is not the one that this run has written, so it is not drawn.",
+        ),
+    }
+}
+
 fn draw(run_dir: &Path, summary: &Summary, program: Option<&str>) -> Drawn {
+    if let Some(note) = damage(run_dir, summary) {
+        return Drawn { note: Some(note.into()), ..Drawn::default() };
+    }
     let Some(path) = trace::find(run_dir) else {
         let note = "The run was made without a trace, so there is nothing to draw.";
         return Drawn { note: Some(note.into()), ..Drawn::default() };
     };
-    // A trace that was swapped in, or is not whole; one that cannot be read at all is told below.
-    let other = trace::hash_of(&path)
-        .is_ok_and(|hash| summary.trace_file_hash.as_ref().is_some_and(|own| *own != hash));
-    if other {
-        let note = "The trace in this folder is not the one that this run has written, so it is not drawn.";
-        return Drawn { note: Some(note.into()), ..Drawn::default() };
-    }
     let mut curves = Curves::new(summary);
     let mut way = mill::Way::new(summary);
     let read = trace::read(&path, |row| {

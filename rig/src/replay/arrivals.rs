@@ -23,6 +23,13 @@ pub const MOST: usize = 1 << 20;
 /// Most bytes of the text of so many.
 pub const MOST_BYTES: u64 = 64 << 20;
 
+/// A line behind every so many changes says what stands before it, so that damage is found where it is.
+const CHECKED: usize = 64;
+/// How such a line begins, and the last one.
+const WHOLE: &str = "whole";
+/// See there.
+const END: &str = "end";
+
 /// From a cycle on something else is taken for an input.
 pub type Change = (u64, Input, Taken);
 
@@ -41,6 +48,8 @@ pub struct Arrivals {
     pub by: Option<String>,
     /// Of a record that was not finished: what came behind the last change is damaged, and not known.
     pub damaged: bool,
+    /// The record says that it ends here.
+    pub ended: bool,
     /// Why the run cannot be made again.
     pub gap: Option<String>,
     /// In the order in which they were told: those of one input are in the order of their cycles.
@@ -70,7 +79,19 @@ impl Arrivals {
             let _ = writeln!(text, "incomplete {gap}");
             return text;
         }
-        self.changes.iter().for_each(|change| text += &line(change));
+        let (mut hash, mut hashed) = (blake3::Hasher::new(), 0);
+        let mut check = |text: &mut String, word: &str, changes: usize| {
+            hash.update(&text.as_bytes()[hashed..]);
+            hashed = text.len();
+            let _ = writeln!(text, "{word} {}", checked(changes, &hash));
+        };
+        for (number, change) in (1..).zip(&self.changes) {
+            text += &line(change);
+            if number % CHECKED == 0 {
+                check(&mut text, WHOLE, number);
+            }
+        }
+        check(&mut text, END, self.changes.len());
         text
     }
 
@@ -122,8 +143,26 @@ impl Arrivals {
         if lines.next().is_none_or(|(_, line)| line != TITLE) {
             return Err(format!("line 1: {TITLE} is expected: another version of pitchlock made it"));
         }
+        let mut hash = blake3::Hasher::new();
+        hash.update(TITLE.as_bytes()).update(b"\n");
+        // So far it is whole: this line, and the cycle of the change before it.
+        let (mut whole, mut cycle) = (1, 0);
         for (number, line) in lines {
-            arrivals.line(line).ok_or_else(|| format!("line {number}: {line:?} is not understood"))?;
+            let words = line.split_once(' ').filter(|(first, _)| [WHOLE, END].contains(first));
+            if let Some((first, told)) = words {
+                if told != checked(arrivals.changes.len(), &hash) {
+                    return Err(format!(
+                        "line {number}: the lines behind line {whole}, from control cycle {cycle} on, are not those that were \
+                         written: the record is damaged there"
+                    ));
+                }
+                (whole, cycle) = (number, arrivals.changes.last().map_or(0, |change| change.0));
+                arrivals.ended = first == END;
+            } else {
+                arrivals.line(line).ok_or_else(|| format!("line {number}: {line:?} is not understood"))?;
+                arrivals.ended = false;
+            }
+            hash.update(line.as_bytes()).update(b"\n");
         }
         Ok(arrivals)
     }
@@ -154,6 +193,11 @@ impl Arrivals {
         }
         Some(())
     }
+}
+
+/// So many changes, and the hash of all before, in words.
+fn checked(changes: usize, before: &blake3::Hasher) -> String {
+    format!("{changes} {}", &before.finalize().to_hex()[..16])
 }
 
 /// A change as a line.
@@ -276,7 +320,8 @@ mod tests {
         arrivals.note(8, Input::Drive(Axis::Z), Taken::Due);
         arrivals.note(9, Input::TickMeasurement, Taken::Nothing);
         let by = Some(VERSION.into());
-        assert_eq!(Arrivals::from_text(&arrivals.text()), Ok(Arrivals { by, ..arrivals.clone() }));
+        let whole = Arrivals { by, ended: true, ..arrivals.clone() };
+        assert_eq!(Arrivals::from_text(&arrivals.text()), Ok(whole));
         // One that was being written, and is torn in its last line.
         let being_written = Arrivals::head(false, false, 7) + &arrivals.lines_from(0);
         let torn = |text: &str| Arrivals::left(text.as_bytes());
@@ -291,5 +336,32 @@ mod tests {
         let wrong = format!("{TITLE}\nuntil 3\n1 drive-command/q due\n");
         let refused = Arrivals::from_text(&wrong).expect_err("there is no axis q");
         assert!(refused.starts_with("line 3"), "{refused}");
+    }
+
+    /// Whatever line is lost, changed or put elsewhere: where the record breaks is named.
+    #[test]
+    fn where_a_record_is_damaged_is_named() {
+        let mut arrivals = Arrivals { until: 5000, ..Arrivals::default() };
+        for cycle in 0..300 {
+            arrivals.note(10 * cycle, Input::Drive(Axis::X), Taken::This(cycle));
+        }
+        let text = arrivals.text();
+        let lines: Vec<&str> = text.lines().collect();
+        for at in 4..lines.len() {
+            let mut damaged = lines.clone();
+            let lost = damaged.remove(at);
+            let read = Arrivals::from_text(&(damaged.join("\n") + "\n"));
+            if at == lines.len() - 1 {
+                assert!(!read.expect("the rest is whole").ended);
+                continue;
+            }
+            let told = read.expect_err(lost);
+            // The block in which it lies, by the check before it.
+            let before = (0..at).rev().find(|line| lines[*line].starts_with(WHOLE)).unwrap_or(0);
+            let cycle = lines[before].split(' ').nth(1).and_then(|n| n.parse::<u64>().ok());
+            let cycle = cycle.filter(|_| before > 0).map_or(0, |changes| 10 * (changes - 1));
+            let words = format!("behind line {}, from control cycle {cycle} on", before + 1);
+            assert!(told.contains(&words), "{lost}: {told}, {words}");
+        }
     }
 }

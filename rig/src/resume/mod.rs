@@ -15,6 +15,7 @@
 //! where the tool has come to the start.
 
 mod reader;
+mod refusal;
 mod retooled;
 mod route;
 
@@ -24,8 +25,9 @@ use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, Set};
 use crate::journal::State;
 pub use reader::Modal;
 use reader::{apart_mm, end};
+pub use refusal::Refusal;
 pub use retooled::Changed;
-use route::{ON_MM, Step, last_change, moves, perhaps_in, stands_on, way_back, way_out};
+use route::{ON_MM, Step, in_another, last_change, moves, perhaps_in, stands_on, way_back, way_out};
 
 /// A contour that is broken off has at most so many items; so far is looked for the place of the tool.
 const MOST: usize = 1 << 14;
@@ -60,100 +62,6 @@ pub enum Stands {
     OnContour(u32),
     /// Where the program has left it: nothing moves any more.
     AtRest,
-}
-
-/// Why a program is not gone on with.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Refusal {
-    /// Nothing is left of it.
-    #[error("its program came to its end: there is nothing to go on with")]
-    Complete,
-    /// The kinematics are not those of a lathe.
-    #[error("only a lathe can go on with a program: start it again, or a part of it as a program of its own")]
-    NoLathe,
-    /// It was broken off in a work.
-    #[error(
-        "it was broken off at the contour, surface or seam of line {line}, which can only be begun anew: start that job \
-         again"
-    )]
-    Work {
-        /// Line of the program.
-        line: u32,
-    },
-    /// A tap stands in its hole.
-    #[error(
-        "the tap of line {line} may stand in its hole: turn it out by hand together with the spindle, bring it to where it \
-         starts, then try again"
-    )]
-    Tap {
-        /// Line of the program.
-        line: u32,
-    },
-    /// The journal is of another program.
-    #[error("the journal knows more of it than it has: the program is not the one that was run")]
-    OtherProgram,
-    /// The pass that is open is another one.
-    #[error(
-        "the journal has pass {open} open, the program {next} next: the program is not the one that was run"
-    )]
-    OtherPass {
-        /// By the journal.
-        open: u32,
-        /// By the program.
-        next: u32,
-    },
-    /// The axes stand where the program does not lead.
-    #[error(
-        "the axes stand at X {x_mm:.3} Z {z_mm:.3} mm, where the program does not lead from line {line} on: bring the tool \
-         by hand to where it begins there, X {to_x_mm:.3} Z {to_z_mm:.3} mm of the machine"
-    )]
-    Elsewhere {
-        /// Measured X.
-        x_mm: f64,
-        /// Measured Z.
-        z_mm: f64,
-        /// Line at which the program would begin.
-        line: u32,
-        /// Where it begins there.
-        to_x_mm: f64,
-        /// See there.
-        to_z_mm: f64,
-    },
-    /// The tool table makes another program of it.
-    #[error(
-        "with this tool table line {line} makes another move, and not the same one elsewhere: only X and Z of its tools may \
-         differ from those of the run; with another radius or orientation start it from its beginning"
-    )]
-    OtherPath {
-        /// Line of the program.
-        line: u32,
-    },
-    /// A tool is too different.
-    #[error(
-        "with this tool table the tool stands X {x_mm:+.3} Z {z_mm:+.3} mm from where the one before stood, which is too far to \
-         go there unseen: put in one that is within 5 mm of it, or start the program from its beginning"
-    )]
-    AnotherTool {
-        /// Difference along X (a radius).
-        x_mm: f64,
-        /// Difference along Z.
-        z_mm: f64,
-    },
-    /// Two tools of threads differ each in its way.
-    #[error(
-        "with this tool table two tools that cut threads from there on are each changed otherwise: go on with one of them \
-         changed, or start the program from its beginning"
-    )]
-    TwoTools,
-    /// The contour is too long.
-    #[error(
-        "the contour that begins in line {line} has more than {MOST} moves before the one that was broken off: begin \
-         in it with a program of its own"
-    )]
-    TooLong {
-        /// Line of its first move.
-        line: u32,
-    },
 }
 
 /// Finds how a program is gone on with, by what the journal knows and where the axes are measured. The
@@ -210,6 +118,11 @@ fn attempt(
         return Err(Refusal::Work { line });
     }
     let mut last = stood.ok_or_else(|| elsewhere(&steps[first], here))?;
+    if *state == State::nothing()
+        && let Some(tools) = in_another(begin.tool, &steps, last, here)
+    {
+        return Err(Refusal::WhichTool { tools });
+    }
     let mut first = first;
     if let Some(change) = last_change(begin.tool, &steps[..last]) {
         // It stands behind that change, so what is before it is done: another tool does not go back over it.

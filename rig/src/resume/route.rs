@@ -83,6 +83,30 @@ pub(super) fn last_change(mut tool: Option<u32>, steps: &[Step]) -> Option<usize
     last
 }
 
+/// Line and tool of the step on which the tool stands, and of another one that leads another tool over the
+/// same place.
+pub(super) fn in_another(
+    mut tool: Option<u32>,
+    steps: &[Step],
+    last: usize,
+    here: &PerAxis<Position>,
+) -> Option<[(u32, Option<u32>); 2]> {
+    let mut over = Vec::new();
+    let mut own = None;
+    for (at, step) in steps.iter().enumerate() {
+        if let Code::Tool { number } = step.0.code {
+            tool = Some(number);
+        }
+        if at == last {
+            own = Some((step.0.line, tool));
+        } else if moves(&step.0) && off(step, here).is_some_and(|[mm, most_mm]| mm < most_mm.max(ON_MM)) {
+            over.push((step.0.line, tool));
+        }
+    }
+    let own = own?;
+    over.into_iter().find(|other| other.1 != own.1).map(|other| [own, other])
+}
+
 /// How far a tool that stands here is off a step, and how far it may be if it was braked there, mm.
 fn off((item, from): &Step, here: &PerAxis<Position>) -> Option<[f64; 2]> {
     match &item.code {

@@ -220,3 +220,37 @@ fn a_jog_ends_with_the_panel_that_pressed_it_and_with_the_seat() {
     assert!(ends.iter().filter(|last| **last > 0).count() > 3, "{ends:?}");
     assert!(!moving.is_empty());
 }
+
+/// What a killed panel leaves goes with the next one; that of one that lives stays, and so does whatever else
+/// has such a name.
+#[test]
+fn what_a_killed_panel_leaves_is_swept_by_the_next() {
+    let place = Place::new();
+    let left = || {
+        let entries = std::fs::read_dir(place.path()).expect("a folder").flatten();
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let mut names: Vec<_> = names.filter(|name| name.starts_with("pitchlock-by-hand-")).collect();
+        names.sort();
+        names
+    };
+    let start = || Panel::start(&place, &["panel", "--trace", "none"]);
+    let end = |panel: Panel, name: &str| {
+        signal(panel.launcher.id(), name);
+        panel.ends()
+    };
+    let lives = start();
+    let own = left();
+    assert_eq!(own.len(), 1, "{own:?}");
+    let other = place.path().join("pitchlock-by-hand-other");
+    std::fs::create_dir(&other).expect("room");
+    std::fs::write(other.join("notes.txt"), "somebody's").expect("room");
+    end(start(), "KILL");
+    assert_eq!(left().len(), 3, "its own, the other one, and what the killed one has left");
+    let next = start();
+    let now = left();
+    assert!(now.len() == 3 && own.iter().all(|name| now.contains(name)), "{now:?}");
+    assert!(other.join("notes.txt").exists());
+    end(next, "INT");
+    end(lives, "INT");
+    assert_eq!(left(), ["pitchlock-by-hand-other"]);
+}
