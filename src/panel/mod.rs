@@ -127,7 +127,8 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
 }
 
 /// The program of work by hand before anything is given: it waits. It lies in a folder of its own, which goes
-/// with it; that of a panel that was killed goes with the next one. A lock on the file says that its panel lives.
+/// with it; that of a panel that was killed goes with the next one. A lock on the file says that its panel
+/// lives.
 struct Empty {
     path: PathBuf,
     _lives: File,
@@ -136,8 +137,8 @@ struct Empty {
 /// What such a folder is called before its number.
 const FOLDER: &str = "pitchlock-by-hand-";
 
-/// Removes what panels of this user have left that were killed. What is another user's, a link, held, or holds
-/// anything else, stays.
+/// Removes what panels of this user have left that were killed. What is another user's, a link, held, or
+/// holds anything else, stays.
 fn sweep(temporary: &Path, own: u32) {
     let Ok(entries) = std::fs::read_dir(temporary) else { return };
     for entry in entries.flatten() {

@@ -27,8 +27,8 @@ const WAITING: usize = 64;
 /// The disk is asked to have it at most so often: of a machine that runs much faster than in truth, asking
 /// for each record by itself would take three in a hundred of the run.
 const GATHER: Duration = Duration::from_millis(20);
-/// The same of a machine that runs as fast as it can be computed: what is written is safe from a kill at once,
-/// and asking took half of what a journal costs.
+/// The same of a machine that runs as fast as it can be computed: what is written is safe from a kill at
+/// once, and asking took half of what a journal costs.
 const GATHER_FAST: Duration = Duration::from_millis(60);
 
 /// Room beside a journal for the one that takes its place, bytes.

@@ -337,31 +337,4 @@ mod tests {
         let refused = Arrivals::from_text(&wrong).expect_err("there is no axis q");
         assert!(refused.starts_with("line 3"), "{refused}");
     }
-
-    /// Whatever line is lost, changed or put elsewhere: where the record breaks is named.
-    #[test]
-    fn where_a_record_is_damaged_is_named() {
-        let mut arrivals = Arrivals { until: 5000, ..Arrivals::default() };
-        for cycle in 0..300 {
-            arrivals.note(10 * cycle, Input::Drive(Axis::X), Taken::This(cycle));
-        }
-        let text = arrivals.text();
-        let lines: Vec<&str> = text.lines().collect();
-        for at in 4..lines.len() {
-            let mut damaged = lines.clone();
-            let lost = damaged.remove(at);
-            let read = Arrivals::from_text(&(damaged.join("\n") + "\n"));
-            if at == lines.len() - 1 {
-                assert!(!read.expect("the rest is whole").ended);
-                continue;
-            }
-            let told = read.expect_err(lost);
-            // The block in which it lies, by the check before it.
-            let before = (0..at).rev().find(|line| lines[*line].starts_with(WHOLE)).unwrap_or(0);
-            let cycle = lines[before].split(' ').nth(1).and_then(|n| n.parse::<u64>().ok());
-            let cycle = cycle.filter(|_| before > 0).map_or(0, |changes| 10 * (changes - 1));
-            let words = format!("behind line {}, from control cycle {cycle} on", before + 1);
-            assert!(told.contains(&words), "{lost}: {told}, {words}");
-        }
-    }
 }
