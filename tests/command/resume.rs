@@ -338,8 +338,7 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
     assert!(told.status == Some(0) && told.stdout.contains("begins    at line"), "{}", told.stderr);
     assert!(held(&place.at("run")) == before && !place.at("runs").exists());
 
-    // Nothing is left of its journal: which tool is in the holder, nobody knows. If there is only one, it begins
-    // where that may have been first.
+    // Nothing is left of its journal: it is gone on with if there is one tool only.
     fs::write(place.at("run/journal.bin"), [0x55; 700]).expect("room");
     refused(&[], "nobody knows which one is in the holder");
     let program = place.write("screw.ngc", PROGRAM.replace("T1\n", "T3\n")).display().to_string();

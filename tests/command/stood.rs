@@ -88,7 +88,7 @@ fn in_real_time_a_launcher_that_stood_loses_records_and_nothing_else() {
     assert!((0..ATTEMPTS).any(|_| attempt()), "answers were late each time the launcher stood");
 }
 
-/// The queues hold 4.1 s; the launcher stands for longer, and what happens to the machine in the gap is known.
+/// The queues hold 4.1 s; the launcher stands for longer, and what happens in the gap is known.
 fn in_the_gap(dwell_s: f64, event: &str, is_told: impl Fn(&Summary) -> bool) {
     let text = format!("G18 G21 G90 G8 G94\nG0 X50 Z90\nG4 P{dwell_s}\nM2\n");
     let attempt = || {

@@ -101,8 +101,8 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         let was_finished = interpolator.finished();
         let input = In { measurement: &measurement, axes: &statuses };
         let Some(out) = interpolator.tick(&input) else { continue };
-        // The tick after the one that says "finished" is the last: its predecessor is in force then. Where each
-        // control cycle has a tick, lock step has one behind that.
+        // The tick after the one that says "finished" is the last: its predecessor is in force then. Where
+        // each control cycle has a tick, lock step has one behind that.
         finished = measurement.last != 0 || was_finished && enough;
         let waits = finished && args.clock == Clock::Real;
         send(&mut axes, &mut spindle, &plant, &mut status, &out, waits)?;

@@ -1,26 +1,9 @@
 //! What the modules latch, as a person reads it. In: every control cycle the fault of each status. Out:
 //! reports in the order in which they came; of one cycle a cause before what it made of another axis.
 
-use protocol::{Axis, Fault, PerAxis};
+use protocol::{Axis, Fault};
 
 use super::{FaultReport, Observer, Record};
-
-/// What was seen last.
-#[derive(Clone, Default)]
-pub(super) struct Latched {
-    axes: PerAxis<u32>,
-    machine: u32,
-    /// The control cycle that comes next, if none is missing.
-    next_cycle: u64,
-}
-
-impl Latched {
-    /// How much of the record is missing before a cycle, in words: what is first seen there may be older.
-    fn gap(&mut self, cycle: u64) -> Option<String> {
-        let missing = cycle.saturating_sub(std::mem::replace(&mut self.next_cycle, cycle + 1));
-        (missing > 0).then(|| format!("first seen here: the {missing} cycles before are not recorded"))
-    }
-}
 
 /// Whether something else has caused it.
 fn follows(fault: &FaultReport) -> bool {
