@@ -15,7 +15,7 @@ pub(super) struct Latched {
 impl Latched {
     /// How much of the record is missing before a cycle, in words: what is first seen there may be older.
     pub(super) fn gap(&mut self, cycle: u64) -> Option<String> {
-        let missing = cycle.saturating_sub(std::mem::replace(&mut self.next_cycle, cycle + 1));
+        let missing = cycle.saturating_sub(std::mem::replace(&mut self.next_cycle, cycle.saturating_add(1)));
         (missing > 0).then(|| format!("first seen here: the {missing} cycles before are not recorded"))
     }
 }
