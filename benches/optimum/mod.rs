@@ -44,7 +44,8 @@ const STEPS: usize = 60;
 /// A turn of the direction within a step of the grid that is a stop.
 const STOP: f64 = 0.7;
 
-/// The path of a chain with its blends on a grid of `h` mm: it is driven at 1 mm/s by axes without limits.
+/// The path of a chain with its blends on a grid of `h` mm: it is driven at 1 mm/s by axes without limits, so
+/// that no stop is faster than a rounded corner.
 pub(crate) fn places(blocks: &[Block<3, ()>], h: f64) -> Vec<Place> {
     let free = Limits { v: 1e6, a: 1e8, j: 1e12, dj: 1e16 };
     let mut chain = Chain::new(Settings { axes: [free; 3], cycle_s: h });

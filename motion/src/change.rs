@@ -10,8 +10,13 @@
 //!
 //! ```text
 //! τ(Δ) = max( 2 |Δ|/J, sqrt(2π |Δ|/DJ) )                        peak jerk 2Δ/τ, peak jerk rate 2πΔ/τ²  (M63)
-//! v1 − v0 = (a0 + ap)/2 τ(ap − a0) + ap tc + ap/2 τ(ap)                                                (M64)
+//! v1 − v0 = (a0 + ap)/2 τ₁ + ap tc + ap/2 τ(ap)                                                        (M64)
+//! τ₁ = τ(ap − a0), but τ(ap) where ap is more of what a0 is                                           (M182)
 //! ```
+//! Limits may count on it that peaks of acceleration and jerk do not come together (M181). So a pulse that
+//! raises an acceleration takes as long as the whole of it from none would: then it is a mean of a constant
+//! acceleration and that pulse, and within all limits within which both are.
+//!
 //! For a0 = 0 this is the fastest ramp of M19, M20. The right side of M64 grows with ap on either side of the
 //! release of a0 (ap = 0 below, ap = a0 above it), so the root is unique.
 
@@ -70,11 +75,15 @@ impl SpeedChange {
         let sign = if dv >= release { 1.0 } else { -1.0 };
         let (a0, dv) = (sign * a0, sign * dv);
         let low = a0.max(0.0);
-        let gained = |ap: f64| 0.5 * (a0 + ap) * pulse(ap - a0, limits) + 0.5 * ap * pulse(ap, limits);
+        let first = |ap: f64| {
+            let raised = if a0 > 0.0 && ap > a0 { a0 } else { 0.0 };
+            pulse(ap - a0 + raised, limits)
+        };
+        let gained = |ap: f64| 0.5 * (a0 + ap) * first(ap) + 0.5 * ap * pulse(ap, limits);
         let top = (limits.a - low).max(0.0);
         let ap = low + search::largest(top, dv, |more| gained(low + more));
         let cruise = if ap > 0.0 { ((dv - gained(ap)) / ap).max(0.0) } else { 0.0 };
-        let durations = [pulse(ap - a0, limits), cruise, pulse(ap, limits)];
+        let durations = [first(ap), cruise, pulse(ap, limits)];
         let changes = [(a0, ap - a0), (ap, 0.0), (ap, -ap)];
         let mut change = SpeedChange { phases: [Phase::default(); 3], v1, duration: 0.0, distance: 0.0 };
         let mut v = v0;

@@ -175,7 +175,6 @@ impl Ramp {
         limits.check();
         let by_a = (2.0 * limits.a * (limits.dj / PI)).sqrt();
         let cube = 2.0 * dv.abs() * (limits.dj / PI) * (limits.dj / PI);
-        // Cubes are compared: most ramps of a look-ahead are not bound by the jerk rate and need no root.
         let within = |bound: f64| bound * bound * bound <= cube;
         if limits.j <= by_a && within(limits.j) {
             (limits.j, Binding::Jerk)

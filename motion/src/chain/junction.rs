@@ -3,14 +3,16 @@
 //!
 //! | blocks | the junction | its blend |
 //! |---|---|---|
-//! | two lines | a corner | as wide as `width.rs` finds it may be, over other corners too |
+//! | two lines | a corner | as wide as `width.rs` finds it may be, over other corners too; none where a stop is faster (`halt.rs`) |
 //! | one is an arc or a piece of a curve | fixed | to half of the shorter at most, with half the tolerance |
 //!
 //! Blends of a curvature that jumps lie on both sides of the path, so those beside an arc share the
 //! tolerance. Pieces of one curve have no jumps at all, so nothing is rounded between them.
 
 use super::Block;
+use super::halt::stop_is_faster;
 use crate::blend::{Blend, aside};
+use crate::limits::Limits;
 use crate::path::Path;
 
 /// Corners that turn by more are stopped at: rounding would leave the tip uncut. Cosine of 120°.
@@ -87,7 +89,11 @@ pub(super) struct Turn<const N: usize> {
 }
 
 /// What becomes of the junction of two blocks.
-pub(super) fn junction<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>) -> Junction<N> {
+pub(super) fn junction<const N: usize, T>(
+    last: &Block<N, T>,
+    next: &Block<N, T>,
+    axes: &[Limits; N],
+) -> Junction<N> {
     let jumps = last.path.jumps(&next.path);
     let size = |jump: &[f64; N]| jump.iter().map(|d| d * d).sum::<f64>().sqrt();
     let turn = size(&jumps[0]);
@@ -114,7 +120,7 @@ pub(super) fn junction<const N: usize, T>(last: &Block<N, T>, next: &Block<N, T>
     if lines {
         let (jump, size) = if smooth { ([0.0; N], 0.0) } else { (jumps[0], turn) };
         let widest = tolerance / (aside(0.0, 1.0) * size);
-        if widest < LEAST_HALF.min(shorter) {
+        if widest < LEAST_HALF.min(shorter) || stop_is_faster([last, next], &jump, size, widest, axes) {
             return Junction::Stop;
         }
         let alone = last.room.min(next.room) < tolerance;

@@ -219,6 +219,11 @@ impl Law {
         }
     }
 
+    /// The highest speed.
+    pub(super) fn peak_speed(&self) -> f64 {
+        self.peak().v
+    }
+
     fn peak(&self) -> Limits {
         match self {
             Law::Rest => Limits { v: 0.0, a: 0.0, j: 0.0, dj: 0.0 },
@@ -262,5 +267,41 @@ impl Law {
             && near(v, *end, peak.v + start.abs())
             && near(a, 0.0, peak.a + acceleration.abs() + LEAST_ACCELERATION)
             && s.is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Fold, Law};
+    use crate::change::SpeedChange;
+    use crate::feed::FeedBlock;
+    use crate::limits::Limits;
+
+    /// What bends count on (M181) holds for a folded pulse, too: it has at most what its mirror image has.
+    #[test]
+    fn m181_peaks_do_not_come_together_in_a_fold() {
+        let limits = [
+            Limits { v: 200.0, a: 2000.0, j: 80_000.0, dj: 8e6 },
+            Limits { v: 200.0, a: 300.0, j: 80_000.0, dj: 2e6 },
+            Limits { v: 200.0, a: 9000.0, j: 20_000.0, dj: 8e8 },
+        ];
+        for limits in &limits {
+            for (v, peak) in [(0.0, 200.0), (40.0, 60.0), (199.0, 200.0)] {
+                let block = FeedBlock::plan(1e3, v, peak, v, limits).expect("a long way");
+                for k in 1..50 {
+                    let at = 0.5 * block.ends()[0] * f64::from(k) / 50.0;
+                    let end = Fold::at_end(&block, at);
+                    let change = SpeedChange::plan(end.v, end.a, v, limits);
+                    let fold = Law::Fold(Fold::new(block, at, change));
+                    for step in 0..200 {
+                        let now = fold.at(fold.duration() * f64::from(step) / 200.0);
+                        let [a, j, dj] =
+                            [now.a / limits.a, now.j / limits.j, now.dj / limits.dj].map(f64::abs);
+                        assert!(0.8 * a + 0.472 * j <= 1.0 + 1e-9, "{now:?} of {limits:?}, fold at {at}");
+                        assert!(0.7 * a + 0.4 * j + 0.121 * dj <= 1.0 + 1e-9, "{now:?} of {limits:?}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -7,9 +7,11 @@
 //! | `chain/asked.rs` | feeds and overrides |
 //! | `chain/pieces.rs` | the blocks, and the blends that reach each of them |
 //! | `chain/junction.rs` | what becomes of the place where two blocks meet |
+//! | `chain/halt.rs` | where a stop is faster than a rounded corner (M183) |
 //! | `chain/width.rs` | how wide the blends of corners are (M172) |
 //! | `chain/sweep.rs` | bounds of a line with its blends (M173) |
 //! | `chain/zone.rs` | limits of the feed over a stretch, from the bends of the path (M66) |
+//! | `chain/allowance.rs` | these limits by speed (M179) |
 //! | `chain/section.rs` | the look-ahead over stretches (M24, M26) |
 //! | `chain/steer.rs` | the decision which law s(t) follows next (M23, M64) |
 //! | `chain/law.rs` | the law, and the check before it is released |
@@ -22,7 +24,9 @@
 //! from which the machine can stop on what is known of the path: that is what the hard pass of the look-ahead
 //! guarantees.
 
+mod allowance;
 mod asked;
+mod halt;
 mod junction;
 mod law;
 mod pieces;
@@ -193,7 +197,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
 
     /// Appends a block where the one before ends. The caller has looked for room.
     pub fn push(&mut self, block: Block<N, T>) {
-        self.pieces.push(block);
+        self.pieces.push(block, &self.settings.axes);
         self.settle();
         self.quiet = 0;
     }
@@ -223,7 +227,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let mut begin = 0.0;
             for (end, bend) in ends.into_iter().zip(&bends) {
                 if end > begin {
-                    let limits = bend.limits(&self.settings.axes, asked, chord_v2);
+                    let limits = bend.allowance(&self.settings.axes, asked, chord_v2);
                     let section = Section::new(end - begin, block.feed, limits, stops && end >= length);
                     self.sections.push(section, &self.ratios, joins);
                     begin = end;

@@ -15,6 +15,7 @@ use super::sweep;
 use super::zone::Bend;
 use super::{BLOCKS, Block};
 use crate::blend::Blend;
+use crate::limits::Limits;
 use crate::sample::Sample;
 
 /// Most corners over which a blend reaches, on either side: what a place costs is bounded by it.
@@ -121,10 +122,10 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
     }
 
     /// Appends a block.
-    pub(super) fn push(&mut self, block: Block<N, T>) {
+    pub(super) fn push(&mut self, block: Block<N, T>, axes: &[Limits; N]) {
         let begin = self.ring.back().map_or(0.0, |last| last.end);
         if let Some(last) = self.ring.back_mut() {
-            last.junction = Some(junction(&last.block, &block));
+            last.junction = Some(junction(&last.block, &block, axes));
         }
         let end = begin + block.path.length();
         self.ring.push_back(Piece { block, end, junction: None, room: None, blend: None });

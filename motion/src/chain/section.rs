@@ -12,10 +12,9 @@
 
 use std::collections::VecDeque;
 
+use super::allowance::Allowance;
 use super::{Feed, LEAST_FEED, Ratios, SAME};
-use crate::feed::junction_distance;
 use crate::limits::Limits;
-use crate::reach::reach;
 
 /// Most sections ahead.
 pub(super) const SECTIONS: usize = 4096;
@@ -23,6 +22,11 @@ pub(super) const SECTIONS: usize = 4096;
 const ALIKE: f64 = 1e-3;
 /// A faster stretch between slower ones is kept apart if at least this ratio of feeds is reached in it.
 const WORTH: f64 = 1.2;
+/// A faster stretch beside a rest is kept apart if a ramp in it comes to this share of the slower feed.
+const REACHED: f64 = 0.5;
+
+/// What is promised is kept with this share to spare, so that no rounding breaks it.
+const SURE: f64 = 1e-9;
 
 /// A stretch of path with one set of limits.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +35,7 @@ pub(super) struct Section {
     pub(super) length: f64,
     pub(super) feed: Feed,
     /// Limits of s; `v` is the highest feed the path allows.
-    pub(super) limits: Limits,
+    pub(super) limits: Allowance,
     /// The machine stops at its end.
     pub(super) stops: bool,
     /// Highest feed at the end: what the path allows, and what is programmed.
@@ -43,7 +47,7 @@ pub(super) struct Section {
 
 impl Section {
     /// A stretch alone, before the look-ahead has seen it.
-    pub(super) fn new(length: f64, feed: Feed, limits: Limits, stops: bool) -> Section {
+    pub(super) fn new(length: f64, feed: Feed, limits: Allowance, stops: bool) -> Section {
         Section { length, feed, limits, stops, exit_hard: 0.0, exit_soft: 0.0, most: 0.0 }
     }
 
@@ -92,7 +96,7 @@ impl Sections {
     /// Takes the memory of all the sections that there may be, and writes to it.
     pub(super) fn take_memory(&mut self) {
         self.ring = VecDeque::with_capacity(SECTIONS);
-        self.ring.resize(SECTIONS, Section::new(0.0, Feed::Rapid, Limits::NONE, true));
+        self.ring.resize(SECTIONS, Section::new(0.0, Feed::Rapid, Allowance::flat(&Limits::NONE), true));
         self.ring.clear();
     }
 
@@ -126,7 +130,8 @@ impl Sections {
         let (last, zone) = (&self.ring[count - 2], &self.ring[count - 1]);
         // What was promised to the section before must still hold when this one grows.
         let promised = if count > 2 { self.ring[count - 3].exit_hard } else { 0.0 };
-        if last.stops || !joins(last, zone, ratios, promised) {
+        let rests = count == 2 || self.ring[count - 3].stops;
+        if last.stops || keeps_to_rest(last, zone, ratios, rests) || !joins(last, zone, ratios, promised) {
             return false;
         }
         self.ring[count - 2] = joined(last, zone, ratios);
@@ -154,20 +159,23 @@ impl Sections {
     pub(super) fn look_ahead(&mut self, ratios: &Ratios) -> bool {
         let Some(changed) = self.changed.take() else { return false };
         for k in (0..self.ring.len()).rev() {
-            let next = if k + 1 < self.ring.len() { Some(self.ring[k + 1]) } else { None };
-            let section = &mut self.ring[k];
-            let (hard, soft) = match next {
+            let section = &self.ring[k];
+            let (hard, soft) = match self.ring.get(k + 1) {
                 Some(next) if !section.stops => {
                     let top = section.limits.v.min(next.limits.v);
                     let cap = section.cap(ratios).min(next.cap(ratios));
+                    let [hard, soft] = [next.exit_hard.min(top), next.exit_soft.min(cap)];
+                    let entry = next.limits.reach(hard, top, next.length);
+                    let alike = (hard, top) == (soft, cap);
                     (
-                        hard_entry(next.exit_hard.min(top), top, next.length, &next.limits),
-                        reach(next.exit_soft.min(cap), cap, next.length, &next.limits),
+                        stop_or(entry, hard, top, next),
+                        if alike { entry } else { next.limits.reach(soft, cap, next.length) },
                     )
                 }
                 _ => (0.0, 0.0),
             };
             let same = section.exit_hard == hard && section.exit_soft == soft;
+            let section = &mut self.ring[k];
             (section.exit_hard, section.exit_soft) = (hard, soft);
             if same && k <= changed {
                 break;
@@ -207,13 +215,13 @@ impl Sections {
     }
 }
 
-/// Highest entry from which a section can be kept. A stop at its end may be nearer than an exit a little
-/// below the entry: (F − e/2) T(e) rises with e, then falls.
-fn hard_entry(exit: f64, top: f64, length: f64, limits: &Limits) -> f64 {
-    let entry = reach(exit, top, length, limits);
+/// Highest entry from which a section can be kept: that from which its exit is reached, or a stop. That may
+/// be nearer than an exit a little below the entry: (F − e/2) T(e) rises with e, then falls.
+fn stop_or(entry: f64, exit: f64, top: f64, section: &Section) -> f64 {
+    let (limits, length) = (&section.limits, section.length);
     // One way tells whether the search for it can be of use.
-    let stop_is_nearer = exit > 0.0 && entry < top && junction_distance(0.0, entry, limits) < length;
-    if stop_is_nearer { entry.max(reach(0.0, top, length, limits)) } else { entry }
+    let stop_is_nearer = exit > 0.0 && entry < top && limits.way(0.0, entry) < length;
+    if stop_is_nearer { entry.max(limits.reach(0.0, top, length)) } else { entry }
 }
 
 /// Two neighbours as one section.
@@ -226,6 +234,16 @@ fn joined(last: &Section, zone: &Section, ratios: &Ratios) -> Section {
         most: last.fastest(ratios).max(zone.fastest(ratios)),
         ..*last
     }
+}
+
+/// Whether the faster one of two neighbours lies between the slower one and a rest, and is long enough for
+/// most of a ramp between both: that then has all the limits of the faster one. `rests`: the machine does so
+/// before `last`.
+fn keeps_to_rest(last: &Section, zone: &Section, ratios: &Ratios, rests: bool) -> bool {
+    let (a, b) = (last.fastest(ratios), zone.fastest(ratios));
+    let low = last.nominal(ratios).min(zone.nominal(ratios));
+    let alone = |faster: &Section| faster.limits.reach(0.0, low, faster.length) >= REACHED * low;
+    rests && a > b * (1.0 + ALIKE) && alone(last) || zone.stops && b > a * (1.0 + ALIKE) && alone(zone)
 }
 
 /// Whether two neighbours are better one section, which can still be entered with the feed `promised`.
@@ -241,23 +259,26 @@ fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool
     }
     if promised > 0.0 {
         let both = joined(last, zone, ratios);
-        if reach(0.0, both.limits.v, both.length, &both.limits) < promised {
+        let entry = promised * (1.0 + SURE);
+        if entry > both.limits.v || both.limits.way(0.0, entry) > both.length {
             return false;
         }
     }
     let low = last.nominal(ratios).min(zone.nominal(ratios));
     let (a, b) = (last.fastest(ratios), zone.fastest(ratios));
     let high = a.max(b);
-    let limits = last.limits.min(&zone.limits);
     if high <= low * (1.0 + ALIKE) {
         // Alike in feed. A long stretch with room for ramps is not tied to tighter limits than its own.
-        let tied = if last.limits.a > zone.limits.a { last } else { zone };
-        let loses = tied.limits.a > 1.5 * limits.a || tied.limits.j > 1.5 * limits.j;
-        return !loses || tied.length <= 2.0 * junction_distance(0.0, low, &limits);
+        let own = [last, zone].map(|section| section.limits.up_to(low));
+        let (tied, own) = if own[0].a > own[1].a { (last, own[0]) } else { (zone, own[1]) };
+        let limits = last.limits.min(&zone.limits);
+        let both = limits.up_to(low);
+        let loses = own.a > 1.5 * both.a || own.j > 1.5 * both.j;
+        return !loses || tied.length <= 2.0 * limits.way(0.0, low);
     }
     // They would lie in the faster one, within its own limits.
     let faster = if a >= b { last } else { zone };
-    let ramps = 2.0 * junction_distance(low, high.min(WORTH * low), &faster.limits);
+    let ramps = 2.0 * faster.limits.way(low, high.min(WORTH * low));
     let slow = zone.nominal(ratios) <= low * (1.0 + ALIKE);
     last.length + zone.length <= ramps || slow && a >= b && last.length <= ramps
 }

@@ -12,11 +12,12 @@
 //! every border, and where it ends the rest of the path can still be kept; else the law in hand goes on,
 //! which can.
 
+use super::allowance::Allowance;
 use super::law::{Fold, Law, Promise};
 use super::section::Section;
 use super::{Ask, Chain, SAME};
 use crate::change::SpeedChange;
-use crate::feed::{FeedBlock, junction_distance};
+use crate::feed::FeedBlock;
 use crate::limits::Limits;
 use crate::reach::reach;
 use crate::sample::Sample;
@@ -73,9 +74,16 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     pub(super) fn leap(&mut self, ask: &Ask) -> f64 {
         self.take(ask);
         self.run_dry(ask, 0.0);
-        self.sections.look_ahead(&self.ratios);
-        let until = if self.rests() { self.t } else { self.law.duration() };
+        self.stale |= self.sections.look_ahead(&self.ratios);
+        if self.stale && !self.rests() && self.law.level(self.t) <= self.t {
+            self.decide(ask, false);
+        }
         let level = self.law.level(self.t);
+        let until = match self.law {
+            Law::Rest => self.t,
+            _ if self.stale => level,
+            law => law.duration(),
+        };
         let until = if self.closed || level >= until {
             until
         } else {
@@ -116,7 +124,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             (_, None) => true,
             (law, Some(front)) => {
                 let known = self.sections.total() - now.s;
-                let stopping = junction_distance(0.0, law.goal(self.t).max(now.v), &front.limits);
+                let stopping = front.limits.way(0.0, law.goal(self.t).max(now.v));
                 let last = self.sections.len() == 1;
                 !ask.more && known <= WAYS_KNOWN * stopping
                     || last && self.pieces.pending() > 0 && law.level(self.t) >= law.duration() - left
@@ -131,7 +139,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// Whether enough is known to set off from rest.
     fn may_start(&self) -> bool {
         let Some(front) = self.sections.front() else { return false };
-        let way = || junction_distance(0.0, front.cap(&self.ratios), &front.limits);
+        let way = || front.limits.way(0.0, front.cap(&self.ratios));
         self.closed || !self.has_room() || self.sections.total() > WAYS_KNOWN * way()
     }
 
@@ -150,7 +158,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let front = Section { length: front.length - gone, ..front };
             if let Some(block) = self.block(&front, v, self.cap(ask), ask.single, gone) {
                 self.leave(gone);
-                (self.law, self.t) = (Law::Block(block), 0.0);
+                self.begin(block, self.cap(ask));
             }
             return true;
         }
@@ -170,7 +178,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             self.law = Law::Change(change);
         } else if cap > 0.0 || v > 0.0 {
             match self.block(&front, v, cap, ask.single, 0.0) {
-                Some(block) => self.law = Law::Block(block),
+                Some(block) => self.begin(block, cap),
                 None => {
                     self.rejected = true;
                     self.law = self.change(v, 0.0, 0.0, 0.0).map_or(Law::Rest, Law::Change);
@@ -178,6 +186,13 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             }
         }
         true
+    }
+
+    /// Follows a block law. At its highest speed it is planned again if it may become faster yet: what bends
+    /// leave for that is less, so it takes another ramp.
+    fn begin(&mut self, block: FeedBlock, cap: f64) {
+        self.stale = block.accel().dv() > 0.0 && block.cruise_time() > 0.0 && block.peak_feed() < cap;
+        (self.law, self.t) = (Law::Block(block), 0.0);
     }
 
     /// Replaces the law in hand by a change to the speed `cap`; false if the path ahead does not allow it.
@@ -188,7 +203,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let fold = Law::Fold(Fold::new(block, self.t, change));
             let kept = self.sections.front().is_some_and(|front| {
                 let (start, way) = (block.at(0.0).v, fold.way());
-                fold.keeps(&Promise { start, acceleration: 0.0, end: cap, way, limits: front.limits })
+                let limits = front.limits.up_to(fold.peak_speed());
+                fold.keeps(&Promise { start, acceleration: 0.0, end: cap, way, limits })
             });
             if kept {
                 self.law = fold;
@@ -216,7 +232,9 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         if front.stops || gone + change.distance() <= front.length {
             return false;
         }
-        let there = SpeedChange::plan(self.law.end_speed(), 0.0, target, &next.limits).duration();
+        let start = self.law.end_speed();
+        let limits = next.limits.up_to(start.max(target));
+        let there = SpeedChange::plan(start, 0.0, target, &limits).duration();
         change.duration() > self.law.duration() - self.t + there
     }
 
@@ -229,24 +247,25 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// The law to the end of the front section from the speed `v`, `gone` mm behind the start of the law in
     /// hand.
     fn block(&self, front: &Section, v: f64, cap: f64, single: bool, gone: f64) -> Option<FeedBlock> {
-        let limits = Limits { v: front.limits.v.max(v), ..front.limits };
+        let limits = &front.limits;
         let (mut length, mut exit) = (front.length, front.exit_soft);
         if single {
-            let stopping = junction_distance(v, 0.0, &limits);
+            let stopping = limits.way(v, 0.0);
             let way = self.block_end(gone, stopping);
             if way < length + SAME {
                 if stopping <= way {
                     (length, exit) = (way.min(length), 0.0);
                 }
             } else {
-                exit = exit.min(reach(0.0, exit, way - length, &self.tightest(gone + way)));
+                exit = exit.min(reach(0.0, exit, way - length, &self.tightest(gone + way, exit)));
             }
         }
-        if junction_distance(v, exit, &limits) > length * (1.0 + 1e-12) {
-            exit = nearest_exit(v, exit, front.exit_hard, length, &limits);
+        if limits.way(v, exit) > length * (1.0 + 1e-12) {
+            exit = nearest_exit(v, exit, front.exit_hard, length, limits);
         }
-        let block = FeedBlock::plan(length, v, cap.max(v).max(exit), exit, &limits).ok()?;
-        let promise = Promise { start: v, acceleration: 0.0, end: exit, way: length, limits };
+        let (block, limits) = limits.block(length, [v, cap.max(v).max(exit), exit], self.settings.cycle_s)?;
+        let [end, way] = [block.end_feed(), block.length()];
+        let promise = Promise { start: v, acceleration: 0.0, end, way, limits };
         Law::Block(block).keeps(&promise).then_some(block)
     }
 
@@ -270,11 +289,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         way
     }
 
-    /// The tightest limits on the next `way` mm.
-    fn tightest(&self, way: f64) -> Limits {
+    /// The tightest limits on the next `way` mm up to a speed.
+    fn tightest(&self, way: f64, v: f64) -> Limits {
         let (mut limits, mut gone) = (Limits::NONE, 0.0);
         for section in (0..MOST_CROSSED).map_while(|k| self.sections.get(k)) {
-            limits = limits.min(&section.limits);
+            limits = limits.min(&section.limits.up_to(v));
             gone += section.length;
             if gone >= way {
                 break;
@@ -287,7 +306,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// the path ahead does not allow it.
     fn change(&self, v: f64, a: f64, target: f64, gone: f64) -> Option<SpeedChange> {
         let front = self.sections.front()?;
-        let mut limits = front.limits;
+        let mut limits = front.limits.up_to(v.max(target));
         for _ in 0..MOST_CROSSED {
             if a.abs() > limits.a * (1.0 + SAME) {
                 return None;
@@ -316,20 +335,28 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         let mut limits = Limits::NONE;
         let mut left = gone + change.distance();
         let mut border = -gone;
+        let mut fastest = change.peak().v.max(target);
         for k in 0..MOST_CROSSED {
             let section = self.sections.get(k)?;
-            limits = limits.min(&section.limits);
+            limits = limits.min(&section.limits.up_to(fastest));
             limits.v = f64::INFINITY;
             if left <= section.length {
                 let rest = section.length - left;
-                let fits = |exit: f64| junction_distance(target, exit, &section.limits) <= rest;
+                let fits = |exit: f64| section.limits.way(target, exit) <= rest;
                 let keeps = target <= section.exit_hard || fits(section.exit_hard) || fits(0.0);
                 return (keeps && target <= section.limits.v * (1.0 + SAME)).then_some(limits);
             }
             left -= section.length;
             border += section.length;
             let next = self.sections.get(k + 1)?;
-            if section.stops || speed_at(change, border) > next.limits.v * (1.0 + SAME) {
+            if section.stops {
+                return None;
+            }
+            let own = next.limits.up_to(fastest);
+            if limits.min(&own) != limits {
+                fastest = fastest.min(most_at(change, border).max(target));
+            }
+            if fastest > next.limits.v && speed_at(change, border) > next.limits.v * (1.0 + SAME) {
                 return None;
             }
         }
@@ -341,16 +368,27 @@ impl<const N: usize, T: Copy> Chain<N, T> {
 ///
 /// A ramp down to a little less takes a longer way than one down to much less: (F − e/2) T(e) rises with e,
 /// then falls. Where no exit between the speed and the hard one can be reached, one below it can.
-fn nearest_exit(v: f64, exit: f64, hard: f64, length: f64, limits: &Limits) -> f64 {
+fn nearest_exit(v: f64, exit: f64, hard: f64, length: f64, limits: &Allowance) -> f64 {
     if exit > v {
-        return reach(v, exit, length, limits);
+        return limits.reach(v, exit, length);
     }
     // The override fell too late for the feed of the next section: as slow as can be.
-    let above = v - search::largest(v - exit, length, |e| junction_distance(v - e, v, limits));
+    let above = v - search::largest(v - exit, length, |e| limits.way(v - e, v));
     if above <= hard * (1.0 + ROUNDED) {
         return above;
     }
-    search::largest(hard.min(v), length, |exit| junction_distance(exit, v, limits))
+    search::largest(hard.min(v), length, |exit| limits.way(exit, v))
+}
+
+/// No less than the speed of a change after a way of `s` mm, and hardly more.
+fn most_at(change: &SpeedChange, s: f64) -> f64 {
+    let (mut before, mut behind) = (change.top(), change.duration());
+    for _ in 0..10 {
+        let middle = 0.5 * (before + behind);
+        let half = if change.at(middle).s <= s { &mut before } else { &mut behind };
+        *half = middle;
+    }
+    change.at(before).v
 }
 
 /// Speed of a change after a way of `s` mm.

@@ -3,23 +3,57 @@
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
-//! | k₁ … k₄ | 1/mmⁿ⁻¹ | bounds of \|p₁\| … \|p₄\| of one axis over the stretch |
-//! | v | mm/s | highest feed there: that which may be asked for, or what the bends allow |
-//! | A′, J′, D′ | mm/sⁿ | what the bends leave at that feed |
+//! | k₁ … k₄ | 1/mmⁿ⁻¹ | bounds of \|p₁\| … \|p₄\| of one axis over the stretch; K₂, K₃ those of all axes together |
+//! | v | mm/s | a speed, at most that which may be asked for, and what the bends allow |
+//! | A′, J′, D′ | mm/sⁿ | what the bends leave of the limits of an axis at that speed |
+//! | ε, T | mm, s | chord error of a cycle, its time |
+//! | x, f, g | – | how far a pulse of jerk has come, 0 … 1; its acceleration and jerk, as shares of their peaks |
 //!
 //! ```text
-//! v ≤ V/k₁,  v² ≤ A/2k₂,  v³ ≤ J/2k₃,  v⁴ ≤ D/2k₄,  v² ≤ 8 ε/|k₂| T²      ε: chord error of a cycle T
+//! v ≤ V/k₁,  v² ≤ βA/k₂,  v³ ≤ βJ/k₃,  v⁴ ≤ βD/k₄,  β = 0.6;  v² ≤ 8 ε/|k₂| T²
 //! A′ = A − k₂v²,  J′ = J − k₃v³,  D′ = D − k₄v⁴
-//! a ≤ A′/k₁,  a ≤ J′/6k₂v,  a² ≤ D′/12k₂,  a ≤ D′/24k₃v²
-//! j ≤ (J′ − 3k₂va)/k₁,  j ≤ D′/16k₂v
-//! d ≤ (D′ − 4k₂vj − 3k₂a² − 6k₃v²a)/k₁                                                            (M66)
+//! a ≤ A′/k₁,  3K₂va ≤ 0.8 J′,  3K₂a² + 6K₃v²a ≤ 0.6 D′,  4K₂vj ≤ 0.3 D′         the least J′, D′ of all axes
+//! j ≤ (J′ − 0.66 · 3k₂va)/k₁
+//! d ≤ (D′ − 0.57 · 4k₂vj − 0.93 (3k₂a² + 6k₃v²a))/k₁                                              (M66)
 //! ```
-//! Every term of M55 then fits beside the others, whatever their signs. A slow feed leaves nearly all of the
-//! limits to changes of feed; only where the path itself asks for a share is it taken.
+//! Every term of M55 then fits beside the others, whatever their signs, because their peaks do not come
+//! together. Where a pulse of sin² jerk between no acceleration and its peak has come to x,
+//!
+//! ```text
+//! f = x − sin 2πx/2π,  g = sin² πx,  jerk rate |sin 2πx| of its peak
+//! η f + γ g ≤ 1              if γ ≤ 1 − 0.66 η, η ≤ 0.8
+//! η f + ζ g + δ |sin 2πx| ≤ 1  if δ ≤ 1 − 0.93 η − 0.57 ζ, η ≤ 0.7, ζ ≤ 0.4                        (M181)
+//! ```
+//! What γ and δ may be are least values of functions that are linear in η and ζ, so concave; planes that lie
+//! below them at the corners lie below them all over. Where an acceleration goes from one sign to the other,
+//! |a| is at most f times what it becomes, or 1 − f times what it was.
+//!
+//! K₂ and K₃ do not depend on the direction in which the axes lie, so a bow allows the same acceleration all
+//! along; which share of it bends the path in which axis is left to j and d.
 
+use super::allowance::Allowance;
 use crate::blend::Blend;
 use crate::limits::Limits;
 use crate::path::Path;
+
+/// Share of the limits that a bend may take.
+const BEND: f64 = 0.6;
+/// Shares of what it leaves: for the acceleration in jerk, in jerk rate, for jerk in jerk rate.
+const ACCELERATION: [f64; 2] = [0.8, 0.6];
+const JERK: f64 = 0.3;
+const _: () = assert!(ACCELERATION[0] <= 0.8 && ACCELERATION[1] <= 0.7 && JERK <= 0.4, "where M181 holds");
+/// How much of the peaks of other terms is left when jerk and jerk rate are at theirs (M181).
+const BESIDE_JERK: f64 = 0.66;
+const BESIDE_RATE: [f64; 2] = [0.93, 0.57];
+
+/// How often `k` fits into a limit.
+fn over(limit: f64, k: f64) -> f64 {
+    if k > 0.0 { limit / k } else { f64::INFINITY }
+}
+
+fn norm<const N: usize>(k: &[f64; N]) -> f64 {
+    k.iter().map(|k| k * k).sum::<f64>().sqrt()
+}
 
 /// Bounds of |p₁| … |p₄| of every axis over a stretch.
 #[derive(Clone, Copy, Debug)]
@@ -50,51 +84,101 @@ impl<const N: usize> Bend<N> {
         self
     }
 
-    /// Limits of s (M66); `asked` is the highest feed that can be asked for, `chord_v2` = 8 ε/T².
+    /// Limits of s at every speed (M66, M179); `asked` is the highest feed that can be asked for, `chord_v2`
+    /// = 8 ε/T².
+    pub(super) fn allowance(&self, axes: &[Limits; N], asked: f64, chord_v2: f64) -> Allowance {
+        let v = self.top(axes, asked, chord_v2);
+        let together = self.together();
+        if self.0[1..].iter().flatten().all(|k| *k == 0.0) {
+            return Allowance::flat(&self.left(axes, v, together));
+        }
+        Allowance::new(v, |v| self.left(axes, v, together))
+    }
+
+    /// Limits of s up to its highest speed (M66).
     pub(crate) fn limits(&self, axes: &[Limits; N], asked: f64, chord_v2: f64) -> Limits {
+        self.left(axes, self.top(axes, asked, chord_v2), self.together())
+    }
+
+    /// K₂ and K₃.
+    fn together(&self) -> [f64; 2] {
+        let Bend([_, k2, k3, _]) = self;
+        [norm(k2), norm(k3)]
+    }
+
+    /// The highest speed (M66).
+    pub(super) fn top(&self, axes: &[Limits; N], asked: f64, chord_v2: f64) -> f64 {
         let Bend([k1, k2, k3, k4]) = self;
-        let over = |limit: f64, k: f64| if k > 0.0 { limit / k } else { f64::INFINITY };
         let mut v = asked;
-        let mut curvature = 0.0;
         for (i, axis) in axes.iter().enumerate() {
             v = v.min(over(axis.v, k1[i]));
             if k2[i] > 0.0 || k3[i] > 0.0 {
-                curvature += k2[i] * k2[i];
                 v = v
-                    .min((over(axis.a, 2.0 * k2[i])).sqrt())
-                    .min(libm::cbrt(over(axis.j, 2.0 * k3[i])))
-                    .min(over(axis.dj, 2.0 * k4[i]).sqrt().sqrt());
+                    .min(over(BEND * axis.a, k2[i]).sqrt())
+                    .min(libm::cbrt(over(BEND * axis.j, k3[i])))
+                    .min(over(BEND * axis.dj, k4[i]).sqrt().sqrt());
             }
         }
-        if curvature > 0.0 {
-            v = v.min((chord_v2 / curvature.sqrt()).sqrt());
-        }
-        let left = |i: usize| {
-            let (v2, axis) = (v * v, &axes[i]);
-            (axis.a - k2[i] * v2, axis.j - k3[i] * v2 * v, axis.dj - k4[i] * v2 * v2)
-        };
+        v.min(over(chord_v2, norm(k2)).sqrt())
+    }
+
+    /// What the bends leave at a speed up to the highest one (M66).
+    fn left(&self, axes: &[Limits; N], v: f64, [second, third]: [f64; 2]) -> Limits {
+        let Bend([k1, k2, k3, k4]) = self;
+        let (v2, v3) = (v * v, v * v * v);
         let moving = |i: &usize| k1[*i] > 0.0 || k2[*i] > 0.0;
-        let mut limits = Limits { v, ..Limits::NONE };
+        let (mut a, mut least_j, mut least_d) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        let mut left = [[0.0; 2]; N];
         for i in (0..N).filter(moving) {
-            let (a, j, d) = left(i);
-            limits.a = limits
-                .a
-                .min(over(a, k1[i]))
-                .min(over(j, 6.0 * k2[i] * v))
-                .min(over(d, 12.0 * k2[i]).sqrt())
-                .min(over(d, 24.0 * k3[i] * v * v));
+            left[i] = [axes[i].j - k3[i] * v3, axes[i].dj - k4[i] * v2 * v2];
+            (least_j, least_d) = (least_j.min(left[i][0]), least_d.min(left[i][1]));
+            a = a.min(over(axes[i].a - k2[i] * v2, k1[i]));
         }
-        let a = limits.a;
-        for i in (0..N).filter(moving) {
-            let (_, j, d) = left(i);
-            limits.j = limits.j.min(over(j - 3.0 * k2[i] * v * a, k1[i])).min(over(d, 16.0 * k2[i] * v));
+        if second > 0.0 || third > 0.0 {
+            // 3K₂a² + 6K₃v²a = W: the root of a quadratic.
+            let (even, square) = (6.0 * third * v2, 3.0 * second);
+            let most = ACCELERATION[1] * least_d;
+            let root = 2.0 * most / (even + (even * even + 4.0 * square * most).sqrt());
+            a = a.min(over(ACCELERATION[0] * least_j, 3.0 * second * v)).min(root);
         }
-        let j = limits.j;
+        let mut limits = Limits { v, a, j: over(JERK * least_d, 4.0 * second * v), dj: f64::INFINITY };
         for i in (0..N).filter(moving) {
-            let (_, _, d) = left(i);
-            let taken = k2[i] * (4.0 * v * j + 3.0 * a * a) + 6.0 * k3[i] * v * v * a;
-            limits.dj = limits.dj.min(over(d - taken, k1[i]));
+            limits.j = limits.j.min(over(left[i][0] - BESIDE_JERK * 3.0 * k2[i] * v * a, k1[i]));
+        }
+        for i in (0..N).filter(moving) {
+            let [by_acceleration, by_jerk] =
+                [(3.0 * k2[i] * a + 6.0 * k3[i] * v2) * a, 4.0 * k2[i] * v * limits.j];
+            let taken = BESIDE_RATE[0] * by_acceleration + BESIDE_RATE[1] * by_jerk;
+            limits.dj = limits.dj.min(over(left[i][1] - taken, k1[i]));
         }
         limits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BESIDE_JERK, BESIDE_RATE};
+    use core::f64::consts::PI;
+
+    /// Beside the peaks of any pulse, at the corners of what M181 holds for, and within.
+    #[test]
+    fn m181_peaks_of_a_pulse_fit_beside_each_other() {
+        const STEPS: u32 = 20_000;
+        for k in 0..=STEPS {
+            let x = f64::from(k) / f64::from(STEPS);
+            let (sin, cos) = libm::sincos(PI * x);
+            let (f, g, rate) = (x - sin * cos / PI, sin * sin, (2.0 * sin * cos).abs());
+            for share in [0.0, 0.3, 0.7, 1.0] {
+                let eta = 0.8 * share;
+                let gamma = 1.0 - BESIDE_JERK * eta;
+                assert!(eta * f + gamma * g <= 1.0, "{eta} of the acceleration beside jerk at {x}");
+                for jerk in [0.0, 0.5, 1.0] {
+                    let (eta, zeta) = (0.7 * share, 0.4 * jerk);
+                    let delta = 1.0 - BESIDE_RATE[0] * eta - BESIDE_RATE[1] * zeta;
+                    let sum = eta * f + zeta * g + delta * rate;
+                    assert!(sum <= 1.0, "{eta} of acceleration, {zeta} of jerk at {x}: {sum}");
+                }
+            }
+        }
     }
 }

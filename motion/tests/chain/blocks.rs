@@ -77,6 +77,19 @@ fn settled(random: &mut Seed, block: &FeedBlock) -> Sample {
     Sample { v: from + state.v, a: sign * state.a, ..Sample::default() }
 }
 
+/// Peaks of acceleration, jerk and jerk rate do not come together (M181): bends are allowed to count on it.
+fn apart(random: &mut Seed, duration: f64, limits: &Limits, at: impl Fn(f64) -> Sample) {
+    for _ in 0..10 {
+        let now = at(duration * random.unit());
+        let [a, j, rate] = [now.a / limits.a, now.j / limits.j, now.dj / limits.dj].map(f64::abs);
+        let eta = 0.8 * random.unit();
+        assert!(eta * a + (1.0 - 0.66 * eta) * j <= 1.0 + ACCURACY, "{eta} of {now:?} over {limits:?}");
+        let (eta, zeta) = (0.7 * random.unit(), 0.4 * random.unit());
+        let sum = eta * a + zeta * j + (1.0 - 0.93 * eta - 0.57 * zeta) * rate;
+        assert!(sum <= 1.0 + ACCURACY, "{eta}, {zeta} of {now:?} over {limits:?}");
+    }
+}
+
 /// What remains of an acceleration if it is only led back, mm/s: half of it times its pulse (M63).
 fn release(a: f64, limits: &Limits) -> f64 {
     let a_pos = a.abs();
@@ -105,6 +118,7 @@ fn change(random: &mut Seed, block: &FeedBlock, limits: &Limits) {
         let before = change.at(change.duration() * (1.0 - 1e-15));
         assert!((before.v - target).abs() <= 1e-9 * limits.v, "{before:?} before the end at {target}");
         goes(change.duration(), change.distance(), &most, |t| change.at(t));
+        apart(random, change.duration(), limits, |t| change.at(t));
         now = change.at(change.settled(change.duration() * random.unit()));
         if now.v > limits.v {
             break;
@@ -120,6 +134,7 @@ fn random_blocks_and_changes_keep_every_limit_and_reach_their_targets() {
         let limits = limits(&mut random);
         if let Some(block) = block(&mut random, &limits) {
             planned += 1;
+            apart(&mut random, block.duration(), &limits, |t| block.at(t));
             change(&mut random, &block, &limits);
         } else {
             refused += 1;

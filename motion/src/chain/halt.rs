@@ -1,0 +1,69 @@
+//! Where a stop is faster than a rounded corner. In: two lines and what their corner may be led away. Out: a
+//! verdict, from these two lines and the limits of the axes alone.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | r | mm | half the width of the blend, as far as the tolerance and the shorter line allow |
+//! | v | mm/s | the speed at which it is passed (M66) |
+//! | l | mm | half of a line |
+//! | F | mm/s | the feed at its middle: the programmed one, or what the way from there allows |
+//! | T(e), d(a, b) | s, mm | duration of the fastest ramp by e (M21), way of that between two feeds (M22) |
+//!
+//! ```text
+//! t(v, r) = T(F − v) + (l − r − d(v, F))/F + r/v,  F = reach(v) on l − r                  from middle to tip
+//! stop, if Σ of both sides  t(v, r) > Σ of both sides  t(0, 0)                                     (M183)
+//! ```
+//! r/v grows with r^¼ where the jerk rate bounds v, and what the ramp saves with v ∝ r^¾: once rounding is
+//! faster, a larger tolerance only makes it more so. A stop leaves the tip where it is programmed, so no
+//! tolerance is at stake.
+
+use super::pieces::REACH_MM;
+use super::zone::Bend;
+use super::{Block, Feed};
+use crate::blend::Blend;
+use crate::limits::Limits;
+use crate::ramp::Ramp;
+use crate::reach::reach;
+
+/// Corners whose jump of p₁ is less are rounded unasked: 6°. A contour has many, and a stop hardly ever pays.
+const LEAST_TURN: f64 = 0.1;
+
+/// Whether the corner of two lines takes longer rounded than with a stop; `jump` is that of p₁, of the size
+/// `turn`, `widest` half the width that the tolerance allows, mm.
+pub(super) fn stop_is_faster<const N: usize, T>(
+    lines: [&Block<N, T>; 2],
+    jump: &[f64; N],
+    turn: f64,
+    widest: f64,
+    axes: &[Limits; N],
+) -> bool {
+    if turn < LEAST_TURN {
+        return false;
+    }
+    let [before, behind] = lines.map(|line| line.path.length());
+    let half = widest.min(before).min(behind).min(REACH_MM);
+    let blend = Blend::new([*jump, [0.0; N], [0.0; N]], half);
+    let bend = Bend([lines[0].path.shares(), [0.0; N], [0.0; N], [0.0; N]]);
+    let v = bend.with(&blend, &lines[1].path.shares()).top(axes, f64::INFINITY, f64::INFINITY);
+    let [rounded, stopped] = [v, 0.0].map(|v| {
+        let way = if v > 0.0 { half } else { 0.0 };
+        lines.iter().map(|line| half_a_line(line, v, way, axes)).sum::<f64>()
+    });
+    rounded > stopped
+}
+
+/// Time from the middle of a line to its end, the last `way` mm of it at the speed `v`.
+fn half_a_line<const N: usize, T>(line: &Block<N, T>, v: f64, way: f64, axes: &[Limits; N]) -> f64 {
+    let limits = line.path.limits(axes);
+    let programmed = match line.feed {
+        Feed::Rapid => limits.v,
+        Feed::PerSecond(feed) | Feed::PerRevolution(_, feed) => feed.min(limits.v),
+    };
+    let length = 0.5 * line.path.length();
+    let (way, v) = (way.min(length), v.min(programmed));
+    let feed = reach(v, programmed, length - way, &limits);
+    let ramp = Ramp::shortest(feed - v, &limits);
+    let even = (length - way - 0.5 * (feed + v) * ramp).max(0.0);
+    let crawl = if way > 0.0 { way / v } else { 0.0 };
+    ramp + even / feed + crawl
+}
