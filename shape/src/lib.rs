@@ -15,6 +15,7 @@
 //! Nothing allocates after it was made, and every evaluation has a bounded cost.
 #![forbid(unsafe_code)]
 
+mod compressor;
 mod contour;
 mod curvature;
 mod curve;
@@ -30,6 +31,7 @@ mod shaping;
 mod surface;
 mod tool;
 
+pub use compressor::{Bow, Compressor, Course, Leeway};
 pub use contour::{Contour, ContourCurve, Side};
 pub use curvature::{chord_feed, master_feed, radius, tangent_feed};
 pub use curve::{Curve, Point};

@@ -358,7 +358,7 @@ impl<const N: usize> Step<N> {
 
 /// Ways over the first half and over all of a step of 2 w by σ, σ̇, σ̈ at its start, middle and end (M86),
 /// mm.
-fn ways(w: f64, [[a0, a1, a2], [b0, b1, b2], [c0, c1, c2]]: [[f64; 3]; 3]) -> [f64; 2] {
+pub(crate) fn ways(w: f64, [[a0, a1, a2], [b0, b1, b2], [c0, c1, c2]]: [[f64; 3]; 3]) -> [f64; 2] {
     let half = 17_007.0 * a0 + 24_576.0 * b0 - 1263.0 * c0
         + w * (2727.0 * a1 - 5040.0 * b1 + 423.0 * c1 + w * (169.0 * a2 + 1024.0 * b2 - 41.0 * c2));
     let all = 41.0 * (a0 + c0) + 128.0 * b0 + w * (6.0 * (a1 - c1) + w / 3.0 * (a2 + c2 + 16.0 * b2));

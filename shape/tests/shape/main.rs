@@ -1,5 +1,6 @@
 //! Formulas, surfaces, seams and the positioner against closed forms, random cases and reference values.
 
+mod compressor;
 mod number;
 mod offset;
 mod piece;

@@ -1,0 +1,278 @@
+//! The compressor: runs of short lines become pieces of a smooth curve that stays within a tolerance of them.
+//! In: lines, end to end, mm, with what the path may do at their corners. Out: the same lines where they stay
+//! lines, and pieces of degree 7 by length that join without a jump of their derivatives.
+//!
+//! | part | holds |
+//! |---|---|
+//! | `lines.rs` | the lines; where knots go, and where the spline is held (M186) |
+//! | `spline.rs` | splines of degree 5 (M185) |
+//! | `tube.rs` | the smoothest spline within the tolerance, and the proof that it is (M187, M188) |
+//! | `pieces.rs` | pieces of a spline by length |
+//!
+//! ```text
+//! lines: | corner | window: fitted; two thirds leave as pieces | the next window overlaps | corner |
+//! ```
+//! A run ends at a corner of more than 30°; there the blends of the chain round what is left. It begins and
+//! ends exactly in a point, in whatever direction is smoothest; in its first and last interval it keeps half
+//! of the tolerance, for the blend there takes the other half.
+//!
+//! A long run is fitted in windows, so memory is bounded and pieces leave as the lines come. A window goes on
+//! from the derivatives of the one before, whose last third it fits again with more of the lines ahead. One
+//! that cannot be fitted costs nothing: the one before it is in the tube to its end, and there lines go on.
+
+mod lines;
+mod pieces;
+mod spline;
+mod tube;
+
+use lines::{Lines, less, norm};
+use spline::{DEGREE, Knots, Vector};
+use tube::Tube;
+
+pub use pieces::Bow;
+
+/// Turns by more are corners: 2 sin 15°.
+const CORNER: f64 = 0.517_638_090_205_041_5;
+/// Share of the tolerance that a spline has in its first and last line: the blend at its end has the other.
+const BESIDE: f64 = 0.5;
+/// A run has so many lines at least.
+const LINES: usize = 4;
+/// Intervals of a window, of which a third overlaps with the next one.
+const WINDOW: usize = 96;
+/// Lines after which it is looked whether there are enough for a window, and most lines of one.
+const LOOK: usize = 32;
+const MOST: usize = 4096;
+/// What is tried one after the other: shares of the widths of M186, places in an interval.
+const EFFORTS: [(f64, f64); 4] = [(1.0, 3.0), (0.6, 3.0), (0.35, 4.0), (0.2, 4.0)];
+/// So many intervals at its end are laid out again.
+const ENDS: usize = 4;
+/// Behind the middle of the overlap a spline is led off the lines by this share of the one before at most.
+const SHY: f64 = 0.95;
+/// An interval may be wider than the last one of the window before by this.
+const WIDER: f64 = 1.3;
+
+/// What the path may do at corners of lines, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leeway {
+    /// How far it may lead away from a corner.
+    pub corner: f64,
+    /// The same where lines nearly go on in one line.
+    pub flat: f64,
+    /// They do where their corner lies so near to the line past it.
+    pub tip: f64,
+}
+
+/// What becomes of lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // there is one of it at a time
+pub enum Course<'a, T> {
+    /// A line stays one.
+    Line(&'a T),
+    /// A piece of a curve.
+    Bow {
+        /// The piece.
+        bow: Bow,
+        /// The lines along which it leads.
+        over: &'a [T],
+    },
+}
+
+/// A spline in hand: fitted, and left as pieces up to where the lines in hand begin.
+#[derive(Clone, Debug)]
+struct Fitted {
+    knots: Knots,
+    controls: Vec<Vector>,
+    /// Intervals that have left, and the place of their end.
+    left: usize,
+    gone: f64,
+    /// How many of the lines in hand it reaches.
+    reaches: usize,
+}
+
+impl Fitted {
+    /// Intervals that a spline which goes on from this one has, too, and of this one those before them.
+    fn stays(&self) -> usize {
+        self.knots.intervals().saturating_sub(ENDS).max(self.left)
+    }
+
+    /// The interval in the middle of those that stay.
+    fn middle(&self) -> usize {
+        (self.left + self.stays()) / 2
+    }
+
+    /// How far off a place on the lines in hand a spline that goes on from this one is led first: as far as
+    /// this one, but less and less behind the middle, for it may lie at the wall of the tube.
+    fn off(&self, u: f64, line: &Vector) -> Vector {
+        let there = u + self.gone;
+        let [middle, end] = [self.middle(), self.stays()].map(|k| self.knots.interval(k.max(1) - 1)[1]);
+        let share = SHY * (1.0 - ((there - middle) / (end - middle)).clamp(0.0, 1.0));
+        if share > 0.0 {
+            let point = self.knots.at(self.knots.holding(there), there, &self.controls)[0];
+            return core::array::from_fn(|i| share * (point[i] - line[i]));
+        }
+        [0.0; 3]
+    }
+
+    /// The first control points of a spline on these knots that goes on from what has left, as this one does.
+    fn known(&self, knots: &Knots) -> Vec<Vector> {
+        let end = self.knots.interval(self.left - 1)[1];
+        let first = knots.beginning(&self.knots.at(self.left - 1, end, &self.controls));
+        // A control point counts over six intervals; all of them must be the same.
+        let same = self.left + DEGREE..self.middle().max(self.left + DEGREE);
+        first.into_iter().chain(self.controls[same].iter().copied()).collect()
+    }
+}
+
+/// Takes lines and gives back what becomes of them.
+#[derive(Clone, Debug)]
+pub struct Compressor<T> {
+    leeway: Leeway,
+    lines: Lines,
+    tags: Vec<T>,
+    fitted: Option<Fitted>,
+    looked: usize,
+}
+
+impl<T: Clone> Compressor<T> {
+    /// Nothing in hand; the first line begins at `from`.
+    #[must_use]
+    pub fn new(from: [f64; 3], leeway: Leeway) -> Compressor<T> {
+        let lines = Lines::new(from, BESIDE * leeway.corner);
+        Compressor { leeway, lines, tags: Vec::new(), fitted: None, looked: 0 }
+    }
+
+    /// Whether lines wait.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        !self.tags.is_empty()
+    }
+
+    /// A line to a point, which has a length; `out` takes what cannot change any more.
+    pub fn add(&mut self, to: [f64; 3], tag: T, out: &mut impl FnMut(Course<'_, T>)) {
+        let from = self.lines.last();
+        if self.holds() {
+            let (way, before) = (less(&to, &from), self.lines.direction(self.lines.count() - 1));
+            let length = norm(&way);
+            let turn: Vector = core::array::from_fn(|i| way[i] / length - before[i]);
+            if norm(&turn) > CORNER {
+                self.finish(out);
+            } else {
+                let within = self.within(norm(&turn), length);
+                self.lines.widen_last(within);
+            }
+        }
+        self.lines.push(to, BESIDE * self.leeway.corner);
+        self.tags.push(tag);
+        if self.lines.count() >= self.looked + LOOK {
+            self.looked = self.lines.count();
+            if self.knots(1.0).len() > WINDOW || self.lines.count() >= MOST {
+                self.window(out);
+            }
+        }
+    }
+
+    /// What waits leaves; another line may follow as the first of a run.
+    pub fn finish(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
+        while self.holds() {
+            let done = self.fitted.as_ref().is_some_and(|fitted| fitted.reaches == self.lines.count());
+            let few = self.fitted.is_none() && self.lines.count() < LINES;
+            if done {
+                self.leave_rest(out);
+            } else if few {
+                self.leave_lines(self.lines.count(), out);
+            } else if let Some(fitted) = self.fit() {
+                self.fitted = Some(fitted);
+                self.leave_rest(out);
+            } else {
+                self.give_way(out);
+            }
+        }
+    }
+
+    /// How far the path may lead away from the last corner, with this turn and a line of this length behind
+    /// it.
+    fn within(&self, turn: f64, length: f64) -> f64 {
+        let before = self.lines.length(self.lines.count() - 1);
+        // Twice the area over the line past it.
+        let tip = turn * length * before / (length + before);
+        if tip <= self.leeway.tip { self.leeway.flat } else { self.leeway.corner }
+    }
+
+    /// Where the knots go: those of the spline in hand stay but near its end, where it did not know what
+    /// follows.
+    fn knots(&self, share: f64) -> Vec<f64> {
+        let Some(fitted) = &self.fitted else { return self.lines.knots(&[0.0], f64::INFINITY, share) };
+        let stays = fitted.stays();
+        let known = (fitted.left..stays).map(|k| fitted.knots.interval(k)[1] - fitted.gone);
+        let known: Vec<f64> = std::iter::once(0.0).chain(known).collect();
+        self.lines.knots(&known, WIDER * fitted.knots.width(stays - 1), share)
+    }
+
+    /// Fits a window; two thirds of it leave.
+    fn window(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
+        self.looked = 0;
+        let Some(fitted) = self.fit() else { return self.give_way(out) };
+        let leaves = (2 * fitted.knots.intervals()).div_ceil(3);
+        self.fitted = Some(fitted);
+        self.leave(leaves, out);
+    }
+
+    /// A spline along all lines in hand.
+    fn fit(&self) -> Option<Fitted> {
+        EFFORTS.iter().find_map(|(share, least)| {
+            let tube = Tube::new(&self.lines, &self.knots(*share), *least);
+            let controls = match &self.fitted {
+                None => tube.spline(&[self.lines.at(0, 0.0)], 1, |_, _| [0.0; 3])?,
+                Some(before) => {
+                    tube.spline(&before.known(&tube.knots), DEGREE, |u, line| before.off(u, line))?
+                }
+            };
+            Some(Fitted { knots: tube.knots, controls, left: 0, gone: 0.0, reaches: self.lines.count() })
+        })
+    }
+
+    /// What there is cannot be fitted: the spline before goes to its end, or some lines stay lines.
+    fn give_way(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
+        if self.fitted.is_some() {
+            self.leave_rest(out);
+        } else {
+            self.leave_lines(self.lines.count().div_ceil(4), out);
+        }
+        self.looked = 0;
+    }
+
+    fn leave_rest(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
+        let left = self.fitted.as_ref().map_or(0, |fitted| fitted.knots.intervals() - fitted.left);
+        self.leave(left, out);
+        self.fitted = None;
+    }
+
+    /// The first lines leave as they are.
+    fn leave_lines(&mut self, count: usize, out: &mut impl FnMut(Course<'_, T>)) {
+        self.tags.drain(..count).for_each(|tag| out(Course::Line(&tag)));
+        self.lines = self.lines.behind(count, BESIDE * self.leeway.corner);
+    }
+
+    /// The next intervals of the spline in hand leave, and the lines along which they lead.
+    fn leave(&mut self, count: usize, out: &mut impl FnMut(Course<'_, T>)) {
+        let Some(fitted) = &mut self.fitted else { return };
+        for k in fitted.left..fitted.left + count {
+            let place = |u: f64| self.lines.holding(u - fitted.gone);
+            pieces::along(&fitted.knots, k, &fitted.controls, &mut |bow, [begin, end]| {
+                out(Course::Bow { bow, over: &self.tags[place(begin)..=place(end)] });
+            });
+        }
+        fitted.left += count;
+        let first = if fitted.left == fitted.knots.intervals() {
+            self.lines = self.lines.behind(fitted.reaches, BESIDE * self.leeway.corner);
+            fitted.reaches
+        } else {
+            let end = fitted.knots.interval(fitted.left - 1)[1];
+            let (rest, first) = self.lines.rest(end - fitted.gone);
+            (self.lines, fitted.gone) = (rest, end);
+            first
+        };
+        fitted.reaches -= first;
+        self.tags.drain(..first);
+    }
+}

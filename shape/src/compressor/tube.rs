@@ -1,0 +1,297 @@
+//! The smoothest spline within a tube around lines. In: lines, knots, control points that are given. Out:
+//! control points whose spline lies within the tube everywhere, or none.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | q(u), P(u) | mm | the lines, and how far the spline may lead away from them |
+//! | e(u) | mm | x(u) − q(u) |
+//! | uₖ, δₖ | mm | places where the spline is held, and their share of the way |
+//! | h | mm | width of the interval between knots |
+//! | νₖ, fₖ | – | weight of the wall at a place; how firmly it holds, from 1 |
+//!
+//! ```text
+//! least ½∫|x⁗|² du  with |e(uₖ)| ≤ R = 0.9 P                                                     (M187)
+//! first    x nearest to q:  ½∫|x⁗|² + W/2 Σ δₖ/h⁸ |e|², W the least of four that keeps it in the tube
+//! then     ½∫|x⁗|² − Σ νₖwₖ log(1 − |e|²/R²),  wₖ = δₖ R²/h⁸,  by steps with the matrix
+//!          ∫B⁗B⁗ + Σ fₖνₖwₖ (2/(R² − |e|²) + 4|e|²/(R² − |e|²)²) B B
+//! |e| ≤ max(|e(uₖ)|, |e(uₖ₊₁)|) + (uₖ₊₁ − uₖ)²/8 max |x″| ≤ P between two of them                (M188)
+//! ```
+//! The matrix is that of Newton's step with the curvature of the walls the same in all directions, so the
+//! axes share it. A step ends at 0.9 of the way to the nearest wall: after every one of them the spline is in
+//! the tube. Where a step would have led through the wall, the place holds the more firmly in the next ones;
+//! where not, its wall counts half as much from then on. So one narrow place does not keep the rest from
+//! being smooth.
+//!
+//! Since x(u) stays within P of q(u), neither is anywhere farther than P from the other.
+//!
+//! Source: barrier methods of convex programming; smoothing splines.
+
+use core::ops::Range;
+
+use super::lines::{Held, Lines, dot, less, norm};
+use super::spline::{DEGREE, Knots, Row, Vector, weighted};
+
+/// R in P: what is left is for what lies between the places.
+const TUBE: f64 = 0.9;
+/// W, one after the other.
+const NEAR: [f64; 4] = [1.0, 1e2, 1e4, 1e6];
+/// The first spline may come so near to a wall.
+const INSIDE: f64 = 0.9999;
+/// Share of the way to the nearest wall that a step may take.
+const SHY: f64 = 0.9;
+/// ν at first and at last,
+const WALL: [f64; 2] = [0.5, 5e-3];
+/// and what it is multiplied by where a step is free.
+const FALLS: f64 = 0.5;
+/// Where it is not, the wall holds more firmly, by so many times what was too much, and by so much at most.
+const FIRMER: f64 = 1.5;
+const FIRMEST: f64 = 20.0;
+/// Steps at least and at most.
+const STEPS: [usize; 2] = [7, 16];
+/// A step that is half free and makes the spline smoother by less than this share is the last.
+const ENOUGH: f64 = 0.02;
+
+/// A place where the spline is held.
+struct Place {
+    held: Held,
+    interval: usize,
+    row: Row,
+    target: Vector,
+    /// R, and δ/h⁸.
+    radius: f64,
+    weight: f64,
+}
+
+/// The tube around lines, for splines on knots.
+pub(super) struct Tube {
+    pub(super) knots: Knots,
+    places: Vec<Place>,
+    /// ∫|x⁗|² as squares: interval, row, weight.
+    bending: Vec<(usize, Row, f64)>,
+}
+
+impl Tube {
+    pub(super) fn new(lines: &Lines, places: &[f64], least: f64) -> Tube {
+        let knots = Knots::new(places);
+        let held = lines.held(places, least);
+        let place = |n: usize| {
+            let Held { u, line, within } = held[n];
+            let interval = knots.holding(u);
+            let [before, after] = [n.max(1) - 1, (n + 1).min(held.len() - 1)].map(|n| held[n].u);
+            // A place between two lines or intervals is held as the narrower one asks for.
+            let radius = TUBE * within.min(held[n.max(1) - 1].within);
+            let weight = 0.5 * (after - before) / knots.width(interval).powi(8);
+            let (row, target) = (knots.values(interval, u), lines.at(line, u));
+            Place { held: held[n], interval, row, target, radius, weight }
+        };
+        let bending = (0..knots.intervals()).flat_map(|k| {
+            let ([a, b], h) = (knots.fourth(k), knots.width(k));
+            let mix = |sign: f64| core::array::from_fn(|m| a[m] + sign * b[m]);
+            [(k, mix(1.0), h / 4.0), (k, mix(-1.0), h / 12.0)]
+        });
+        Tube { places: (0..held.len()).map(place).collect(), bending: bending.collect(), knots }
+    }
+
+    /// Control points of a spline in the tube, the first of them as known; the first `given` of these stay,
+    /// and the last point is the end of the lines. `guide` tells how far off the lines it goes at first.
+    pub(super) fn spline(
+        &self,
+        known: &[Vector],
+        given: usize,
+        guide: impl Fn(f64, &Vector) -> Vector,
+    ) -> Option<Vec<Vector>> {
+        let count = self.knots.controls();
+        let mut controls = vec![self.places.last()?.target; count];
+        controls.get_mut(..known.len())?.copy_from_slice(known);
+        let off = self.places.iter().map(|place| guide(place.held.u, &place.target)).collect::<Vec<_>>();
+        self.follow(&mut controls, &(known.len()..count - 1), &off)?;
+        self.relax(&mut controls, &(given..count - 1))?;
+        self.holds(&controls).then_some(controls)
+    }
+
+    /// The smoothest of the splines nearest to the lines, or so far off them, that lies in the tube.
+    fn follow(&self, controls: &mut [Vector], free: &Range<usize>, guides: &[Vector]) -> Option<()> {
+        NEAR.iter().find_map(|near| {
+            let mut system = System::new(controls.len());
+            self.bend(&mut system, controls);
+            for (place, guide) in self.places.iter().zip(guides) {
+                let (off, weight) = (less(&place.off(controls), guide), near * place.weight);
+                system.add(place.interval, &place.row, weight, &off, weight);
+            }
+            go(controls, &system.solved(free)?, free, 1.0);
+            let inside = |place: &Place| norm(&place.off(controls)) < INSIDE * place.radius;
+            self.places.iter().all(inside).then_some(())
+        })
+    }
+
+    /// Makes a spline in the tube smoother (M187).
+    fn relax(&self, controls: &mut [Vector], free: &Range<usize>) -> Option<()> {
+        let mut walls = vec![Wall { nu: WALL[0], firm: 1.0 }; self.places.len()];
+        let (mut before, mut share) = (f64::INFINITY, 0.0);
+        for step in 0..STEPS[1] {
+            let mut system = System::new(controls.len());
+            let bent = self.bend(&mut system, controls);
+            if step >= STEPS[0] && share > 0.5 && bent > (1.0 - ENOUGH) * before {
+                break;
+            }
+            for (place, wall) in self.places.iter().zip(&walls) {
+                let off = place.off(controls);
+                let square = place.radius * place.radius;
+                let left = square - dot(&off, &off);
+                let pull = 2.0 * wall.nu * place.weight * square / left;
+                let stiff = wall.firm * pull * (1.0 + 2.0 * (square - left) / left);
+                system.add(place.interval, &place.row, stiff, &off, pull);
+            }
+            let step = system.solved(free)?;
+            (before, share) = (bent, 1.0);
+            for (place, wall) in self.places.iter().zip(&mut walls) {
+                let own = SHY * to_wall(&place.off(controls), &place.way(&step, free), place.radius);
+                wall.met_at(own);
+                share = own.min(share);
+            }
+            go(controls, &step, free, share);
+        }
+        Some(())
+    }
+
+    /// Adds the bending to a system; it is ∫|x⁗|².
+    fn bend(&self, system: &mut System, controls: &[Vector]) -> f64 {
+        let mut sum = 0.0;
+        for (k, row, weight) in &self.bending {
+            let fourth = weighted(row, &controls[*k..]);
+            sum += weight * dot(&fourth, &fourth);
+            system.add(*k, row, *weight, &fourth, *weight);
+        }
+        sum
+    }
+
+    /// Whether the spline lies within the tube everywhere (M188).
+    fn holds(&self, controls: &[Vector]) -> bool {
+        let mut before = norm(&self.places[0].off(controls));
+        self.places.windows(2).all(|pair| {
+            let here = norm(&pair[1].off(controls));
+            let bend = self.knots.second(pair[0].interval, controls).iter().map(norm).fold(0.0, f64::max);
+            let apart = pair[1].held.u - pair[0].held.u;
+            let most = before.max(here) + 0.125 * apart * apart * bend;
+            before = here;
+            most <= pair[0].held.within
+        })
+    }
+}
+
+/// ν and f at a place.
+#[derive(Clone, Copy)]
+struct Wall {
+    nu: f64,
+    firm: f64,
+}
+
+impl Wall {
+    /// A step may take this share at the place.
+    fn met_at(&mut self, share: f64) {
+        if share < 1.0 {
+            self.firm *= (FIRMER / share).min(FIRMEST);
+        } else {
+            self.firm = (0.5 * self.firm).max(1.0);
+            self.nu = (FALLS * self.nu).max(WALL[1]);
+        }
+    }
+}
+
+impl Place {
+    /// e.
+    fn off(&self, controls: &[Vector]) -> Vector {
+        less(&weighted(&self.row, &controls[self.interval..]), &self.target)
+    }
+
+    /// What a step of the free control points adds to e.
+    fn way(&self, step: &[Vector], free: &Range<usize>) -> Vector {
+        let mut sum = [0.0; 3];
+        for (m, share) in self.row.iter().enumerate() {
+            if let Some(step) = (self.interval + m).checked_sub(free.start).and_then(|j| step.get(j)) {
+                sum.iter_mut().zip(step).for_each(|(sum, step)| *sum += share * step);
+            }
+        }
+        sum
+    }
+}
+
+/// Share of a way at which |off + share way| is the radius.
+fn to_wall(off: &Vector, way: &Vector, radius: f64) -> f64 {
+    let (a, b) = (dot(way, way), dot(off, way));
+    let left = radius * radius - dot(off, off);
+    // The larger root of a s² + 2 b s = left, in the form that does not cancel.
+    let root = libm::sqrt(b * b + a * left);
+    if b > 0.0 {
+        left / (b + root)
+    } else if a > 0.0 {
+        (root - b) / a
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Goes a share of a step.
+fn go(controls: &mut [Vector], step: &[Vector], free: &Range<usize>, share: f64) {
+    for (control, step) in controls[free.clone()].iter_mut().zip(step) {
+        control.iter_mut().zip(step).for_each(|(control, step)| *control += share * step);
+    }
+}
+
+/// A symmetric band and a right side for each axis.
+struct System {
+    /// Diagonal, and what stands before it.
+    bands: Vec<[f64; DEGREE + 1]>,
+    sides: Vec<Vector>,
+}
+
+impl System {
+    fn new(count: usize) -> System {
+        System { bands: vec![[0.0; DEGREE + 1]; count], sides: vec![[0.0; 3]; count] }
+    }
+
+    /// A square of a row: how stiff it is, where it is off, how strongly it pulls back.
+    fn add(&mut self, k: usize, row: &Row, stiff: f64, off: &Vector, pull: f64) {
+        for a in 0..=DEGREE {
+            let share = stiff * row[a];
+            for (b, other) in row.iter().enumerate().take(a + 1) {
+                self.bands[k + a][a - b] += share * other;
+            }
+            let share = pull * row[a];
+            self.sides[k + a].iter_mut().zip(off).for_each(|(side, off)| *side -= share * off);
+        }
+    }
+
+    /// The step of the free unknowns, by Cholesky; none where the matrix is not positive.
+    fn solved(mut self, free: &Range<usize>) -> Option<Vec<Vector>> {
+        for k in free.clone() {
+            let most = DEGREE.min(k - free.start);
+            for m in (0..=most).rev() {
+                let mut sum = self.bands[k][m];
+                for l in m + 1..=most {
+                    sum -= self.bands[k][l] * self.bands[k - m][l - m];
+                }
+                self.bands[k][m] = if m == 0 { libm::sqrt(sum) } else { sum / self.bands[k - m][0] };
+            }
+            // No number where the matrix is not positive.
+            if self.bands[k][0].is_nan() || self.bands[k][0] == 0.0 {
+                return None;
+            }
+            for m in 1..=most {
+                let (share, known) = (self.bands[k][m], self.sides[k - m]);
+                self.sides[k].iter_mut().zip(known).for_each(|(side, known)| *side -= share * known);
+            }
+            let pivot = self.bands[k][0];
+            self.sides[k].iter_mut().for_each(|side| *side /= pivot);
+        }
+        for k in free.clone().rev() {
+            for m in (1..=DEGREE).take_while(|m| k + m < free.end) {
+                let (share, known) = (self.bands[k + m][m], self.sides[k + m]);
+                self.sides[k].iter_mut().zip(known).for_each(|(side, known)| *side -= share * known);
+            }
+            let pivot = self.bands[k][0];
+            self.sides[k].iter_mut().for_each(|side| *side /= pivot);
+        }
+        Some(self.sides[free.clone()].to_vec())
+    }
+}
