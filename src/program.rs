@@ -6,7 +6,7 @@ use gauge::Nominal;
 use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
 use machine::{Machine, ProgramDialect};
 use protocol::{
-    Arc, ByHand, Code, Item, PerAxis, Position,
+    ByHand, Code, Item, PerAxis, Position,
     code_file::{CodeFile, CodeReader},
 };
 use rig::observe::{Message, Observer, ProgramWarning, Watch};
@@ -302,10 +302,10 @@ impl Fit<'_> {
             Code::Arc { arc, .. } if !machine.can_turn(at, arc) => {
                 "an arc that leaves its travel, or that is not an arc"
             }
-            Code::Line { target: to, .. }
-            | Code::Arc { arc: Arc { target: to, .. }, .. }
-            | Code::ByHand(ByHand::Begins { at: to, .. }) => {
-                *at = *to;
+            Code::Curve { curve, .. } if !machine.can_curve(at, curve) => "a curve beyond its travel",
+            Code::Line { .. } | Code::Arc { .. } | Code::Curve { .. } | Code::ByHand(_) => {
+                let begins = if let Code::ByHand(ByHand::Begins { at, .. }) = code { Some(at) } else { None };
+                *at = *code.target().or(begins).unwrap_or(at);
                 return None;
             }
             Code::Pass(pass) => {

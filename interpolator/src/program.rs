@@ -87,7 +87,9 @@ impl Program {
             }
             self.line = item.line;
             match item.code {
-                Code::Line { feed, .. } | Code::Arc { feed, .. } => return Next::Move(feed),
+                Code::Line { feed, .. } | Code::Arc { feed, .. } | Code::Curve { feed, .. } => {
+                    return Next::Move(feed);
+                }
                 Code::Work(work) => return Next::Work(work),
                 Code::Pass(pass) => return Next::Pass(pass),
                 Code::End => return Next::End,

@@ -291,7 +291,9 @@ impl Travel {
             let Some(item) = queue.head() else { return Ok(()) };
             moves += usize::from(item.is_move());
             let taken = match &item.code {
-                code @ (Code::Line { .. } | Code::Arc { .. }) => self.append(item.line, code)?,
+                code @ (Code::Line { .. } | Code::Arc { .. } | Code::Curve { .. }) => {
+                    self.append(item.line, code)?
+                }
                 Code::PathMode(mode) => {
                     self.route.set_mode(*mode);
                     true

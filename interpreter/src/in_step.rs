@@ -15,7 +15,7 @@ impl InStep {
     /// The next item of the program, and where it comes from.
     pub(crate) fn item(&mut self, place: Place, code: &Code) -> Vec<(Place, Problem)> {
         match *code {
-            Code::Line { .. } | Code::Arc { .. } | Code::Work(_) | Code::Pass(_) => {
+            Code::Line { .. } | Code::Arc { .. } | Code::Curve { .. } | Code::Work(_) | Code::Pass(_) => {
                 self.waiting.clear();
                 Vec::new()
             }

@@ -52,6 +52,7 @@ mod path_mode;
 mod points;
 mod reach;
 mod retract;
+mod smooth;
 mod spindle;
 mod stock;
 mod tapping;

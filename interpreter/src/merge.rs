@@ -7,8 +7,6 @@
 //! tolerance of it and further along it than the one before, the feed is the same, and no rotary axis moves.
 //! Nothing else may lie between them. Rapids are left alone.
 
-use std::collections::VecDeque;
-
 use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, units::AXES};
 
 /// Longest line that others become, mm.
@@ -23,28 +21,30 @@ pub(crate) struct Merger {
 }
 
 impl Merger {
-    /// Whether a line waits for more.
-    pub(crate) fn holds(&self) -> bool {
-        self.waiting.is_some()
-    }
-
-    /// Takes the next item; `rest` is where the axes are before it. What cannot change any more goes to
-    /// `items`.
+    /// Takes the next item; `rest` is where the axes are before it. `out` takes what cannot change any more,
+    /// each with where the axes are before it.
     pub(crate) fn add(
         &mut self,
         item: Item,
         rest: PerAxis<Position>,
         mode: PathMode,
-        items: &mut VecDeque<Item>,
+        out: &mut impl FnMut(Item, PerAxis<Position>),
     ) {
         let within_mm = mode.merges_within_mm();
         if self.waiting.as_mut().is_some_and(|line| line.take(&item, within_mm)) {
             return;
         }
-        items.extend(self.waiting.take().map(|line| line.item()));
+        self.finish(out);
         self.waiting = Merged::new(rest, &item).filter(|_| within_mm > 0.0);
         if self.waiting.is_none() {
-            items.push_back(item);
+            out(item, rest);
+        }
+    }
+
+    /// What waits leaves.
+    pub(crate) fn finish(&mut self, out: &mut impl FnMut(Item, PerAxis<Position>)) {
+        if let Some(line) = self.waiting.take() {
+            out(line.item(), line.from);
         }
     }
 }

@@ -2,17 +2,20 @@
 //! their call.
 //!
 //! In: codes, with where the axes rest before them and what the path may do. Out: items. A path mode goes
-//! before the first move that it is for; short lines may become one before they leave.
+//! before the first move that it is for. Before they leave, short lines may become one, and runs of lines
+//! curves.
 
 use std::collections::VecDeque;
 
 use gcode::problem::Blame;
 use gcode::{Place, Problem};
+use machine::Machine;
 use protocol::{Code, Item, PathMode, PerAxis, Position};
 
 use crate::in_step::InStep;
 use crate::merge::Merger;
 use crate::path_mode::PathAsked;
+use crate::smooth::Smoother;
 
 /// Holds items until they are asked for.
 pub(crate) struct Output {
@@ -21,6 +24,7 @@ pub(crate) struct Output {
     /// What was sent of it last.
     path_mode: PathMode,
     merger: Merger,
+    smoother: Smoother,
     in_step: InStep,
     items: VecDeque<Item>,
     problems: Vec<(Place, Problem)>,
@@ -45,11 +49,12 @@ const MOST_MESSAGES: usize = 1000;
 
 impl Output {
     /// Nothing has been said yet; the machine begins in a path mode.
-    pub(crate) fn new(path_mode: PathMode) -> Output {
+    pub(crate) fn new(machine: &Machine, path_mode: PathMode) -> Output {
         Output {
             place: Place { line: 1, ..Place::default() },
             path_mode,
             merger: Merger::default(),
+            smoother: Smoother::new(machine),
             in_step: InStep::default(),
             items: VecDeque::new(),
             problems: Vec::new(),
@@ -71,12 +76,26 @@ impl Output {
     /// An item, behind the path mode that it needs; `rest` is where the axes are before it.
     pub(crate) fn push(&mut self, item: Item, rest: PerAxis<Position>, path: &PathAsked) {
         self.problems.extend(self.in_step.item(self.place, &item.code));
-        if matches!(item.code, Code::Line { .. } | Code::Arc { .. }) && path.mode != self.path_mode {
-            self.path_mode = path.mode;
+        let leads = matches!(item.code, Code::Line { .. } | Code::Arc { .. });
+        if leads && path.mode != self.path_mode {
             let mode = Item { line: item.line, code: Code::PathMode(path.mode) };
-            self.merger.add(mode, rest, path.mode, &mut self.items);
+            self.smooth(mode, rest, path.mode);
+            self.path_mode = path.mode;
         }
-        self.merger.add(item, rest, self.path_mode, &mut self.items);
+        self.smooth(item, rest, self.path_mode);
+    }
+
+    /// An item on its way: short lines become one, and runs of lines curves.
+    fn smooth(&mut self, item: Item, rest: PerAxis<Position>, mode: PathMode) {
+        let Output { merger, smoother, items, .. } = self;
+        merger.add(item, rest, mode, &mut |item, rest| smoother.add(item, rest, mode, items));
+    }
+
+    /// What waits for more leaves as it is.
+    fn settle(&mut self) {
+        let Output { merger, smoother, items, path_mode, .. } = self;
+        merger.finish(&mut |item, rest| smoother.add(item, rest, *path_mode, items));
+        smoother.finish(items);
     }
 
     /// The next item, once it cannot change any more.
@@ -98,7 +117,8 @@ impl Output {
             );
             return;
         }
-        let held = self.items.iter().map(Item::steps).sum::<u64>() + u64::from(self.merger.holds());
+        self.settle();
+        let held = self.items.iter().map(Item::steps).sum::<u64>();
         let message = MessageNote { line: place.line, after: self.steps + held, text: text.trim().into() };
         self.messages.push(message);
     }

@@ -107,7 +107,7 @@ impl<'m> Clock<'m> {
 
     pub(crate) fn add(&mut self, line: u32, code: &Code) {
         match code {
-            Code::Line { .. } | Code::Arc { .. } => {
+            Code::Line { .. } | Code::Arc { .. } | Code::Curve { .. } => {
                 if self.traced.is_some() {
                     self.finish();
                 }

@@ -2,7 +2,7 @@
 //! been checked.
 
 use motion::Exit;
-use protocol::{Arc, Axis, AxisLaw, PerAxis, Position, Setpoint, ThreadPass};
+use protocol::{Arc, Axis, AxisLaw, Curve, PerAxis, Position, Setpoint, ThreadPass};
 
 use crate::{AxisConfig, Kinematics, Machine};
 
@@ -102,5 +102,13 @@ impl Machine {
     /// Whether the whole of an arc lies within the travel of every axis; false for what is no arc from there.
     pub fn can_turn(&self, from: &PerAxis<Position>, arc: &Arc) -> bool {
         arc.bounds(from).is_ok_and(|corners| corners.iter().all(|corner| self.can_reach(corner)))
+    }
+
+    /// Whether a piece of a curve from a start exists and lies within the travel of every axis.
+    pub fn can_curve(&self, from: &PerAxis<Position>, curve: &Curve) -> bool {
+        curve.path(from).is_ok_and(|path| {
+            let corner = |corner: PerAxis<f64>| std::array::from_fn(|axis| from[axis].moved(corner[axis]));
+            path.bounds().into_iter().all(|bound| self.can_reach(&corner(bound)))
+        })
     }
 }

@@ -12,6 +12,7 @@ use shape::Formula;
 
 use crate::{
     arc::Arc,
+    curve::Curve,
     pass::ThreadPass,
     refused::{Refused, not_negative, positive},
     units::{PerAxis, Position},
@@ -319,12 +320,39 @@ pub enum Code {
     Variation(Option<Variation>),
     /// Between blocks that are given by hand.
     ByHand(ByHand),
+    /// A piece of a smooth curve to a point: what the compressor has made of a run of lines.
+    Curve {
+        /// Where.
+        curve: Curve,
+        /// How fast; not [`Feed::Rapid`].
+        feed: Feed,
+    },
+}
+
+impl Code {
+    /// Where a line, an arc or a piece of a curve ends.
+    pub fn target(&self) -> Option<&PerAxis<Position>> {
+        match self {
+            Code::Line { target, .. }
+            | Code::Arc { arc: Arc { target, .. }, .. }
+            | Code::Curve { curve: Curve { target, .. }, .. } => Some(target),
+            _ => None,
+        }
+    }
+
+    /// How fast it goes there.
+    pub fn feed(&self) -> Option<Feed> {
+        match self {
+            Code::Line { feed, .. } | Code::Arc { feed, .. } | Code::Curve { feed, .. } => Some(*feed),
+            _ => None,
+        }
+    }
 }
 
 impl Item {
-    /// Whether it moves the axes by time: a line, an arc or a trace.
+    /// Whether it moves the axes by time: a line, an arc, a piece of a curve or a trace.
     pub fn is_move(&self) -> bool {
-        matches!(self.code, Code::Line { .. } | Code::Arc { .. } | Code::Work(_))
+        self.code.target().is_some() || matches!(self.code, Code::Work(_))
     }
 
     /// What it counts in the progress of a program, [`MachineStatus::taken`](crate::MachineStatus::taken): 1,
@@ -342,6 +370,8 @@ impl Item {
             Code::Line { feed, .. } => feed.check(),
             Code::Arc { feed: Feed::Rapid, .. } => Err(Refused::OutOfRange("feed of an arc")),
             Code::Arc { arc, feed } => arc.check().and_then(|()| feed.check()),
+            Code::Curve { feed: Feed::Rapid, .. } => Err(Refused::OutOfRange("feed of a curve")),
+            Code::Curve { curve, feed } => curve.check().and_then(|()| feed.check()),
             Code::Dwell { seconds } => not_negative(*seconds, "dwell"),
             Code::PathMode(mode) => mode.check(),
             Code::Spindle { speed, .. } => speed.check(),

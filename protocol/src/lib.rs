@@ -12,6 +12,7 @@ mod checksum;
 pub mod code;
 pub mod code_file;
 pub mod code_packet;
+pub mod curve;
 pub mod drive;
 pub mod fault;
 pub mod frame;
@@ -36,6 +37,7 @@ pub use code::{
     Until,
 };
 pub use code_packet::{CodePacket, Credit};
+pub use curve::Curve;
 pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};
 pub use fault::{FAULTS, Fault, FaultRow, Span, Within};
 pub use frame::{AxisCommand, AxisFrame, Setpoint};

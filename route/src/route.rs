@@ -1,5 +1,5 @@
-//! The moves of a program as blocks with paths, feeds and corners. In: lines and arcs to absolute points,
-//! path modes. Out: blocks from where the move before ended, or why not.
+//! The moves of a program as blocks with paths, feeds and corners. In: lines, arcs, curves to absolute
+//! points, path modes. Out: blocks from where the move before ended, or why not.
 
 use machine::Machine;
 use motion::Path;
@@ -60,11 +60,12 @@ impl Route {
     /// The block of a move from `from`; its corner is that of the mode in force.
     ///
     /// # Errors
-    /// The code is no move, or an arc that cannot be made from there.
+    /// The code is no move, or an arc or a curve that cannot be made from there.
     pub fn block(&self, line: u32, code: &Code, from: &PerAxis<Position>) -> Result<Routed, Refused> {
         let (to, feed, path) = match code {
             Code::Line { target, feed } => (target, *feed, self.line(from, target)),
             Code::Arc { arc, feed } => (&arc.target, *feed, Some(arc.path(from)?)),
+            Code::Curve { curve, feed } => (&curve.target, *feed, Some(curve.path(from)?)),
             _ => return Err(Refused::OutOfRange("code of a move")),
         };
         let Some(path) = path else { return Ok(Routed::Nowhere) };

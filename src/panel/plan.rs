@@ -4,7 +4,7 @@
 
 use ::panel::Point;
 use machine::Machine;
-use protocol::{Arc, Axis, ByHand, Code, Item, PerAxis, Position};
+use protocol::{Axis, ByHand, Code, Item, PerAxis, Position};
 
 /// Items of machine code that are looked at; of what is behind them nothing is foretold.
 const MOST_ITEMS: usize = 50_000;
@@ -121,7 +121,7 @@ fn spread(stops: &mut [Stop], end_s: Option<f64>) {
 /// Where an item that begins at `at` ends.
 fn end(item: &Item, at: &PerAxis<Position>) -> PerAxis<Position> {
     match &item.code {
-        Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => *target,
+        code if code.target().is_some() => code.target().copied().unwrap_or(*at),
         Code::Pass(pass) => std::array::from_fn(|axis| pass.axes[axis].end),
         Code::ByHand(ByHand::Begins { at, .. }) => *at,
         _ => *at,
@@ -135,8 +135,13 @@ fn places(item: &Item, at: &PerAxis<Position>, mut go: impl FnMut(&PerAxis<f64>,
         Code::Line { target, feed } => {
             go(&target.map(Position::mm), u8::from(*feed != protocol::Feed::Rapid));
         }
-        Code::Arc { arc, .. } => {
-            let Ok(path) = arc.path(at) else { return };
+        Code::Arc { .. } | Code::Curve { .. } => {
+            let path = match &item.code {
+                Code::Arc { arc, .. } => arc.path(at),
+                Code::Curve { curve, .. } => curve.path(at),
+                _ => return,
+            };
+            let Ok(path) = path else { return };
             for step in 1..=PLACES {
                 let [gone, ..] = path.at(share(step) * path.length());
                 go(&std::array::from_fn(|axis| at[axis].mm() + gone[axis]), 1);

@@ -229,6 +229,7 @@ fn moved(item: &Item) -> String {
     let (target, feed, how) = match &item.code {
         Code::Line { target, feed } => (target, *feed, "to"),
         Code::Arc { arc, feed } => (&arc.target, *feed, "back on the arc to"),
+        Code::Curve { curve, feed } => (&curve.target, *feed, "along the curve to"),
         _ => return String::new(),
     };
     let [x, z] = [Axis::X, Axis::Z].map(|axis| target[axis.index()].mm());

@@ -20,8 +20,8 @@ use corpus::{FANUC, FANUC_MILL, PRESSES};
 use machine::Machine;
 use mutate::mutation;
 use protocol::{
-    Arc, Axis, Code, CodePacket, Feed, Item, PathMode, PerAxis, Plane, Position, Set, Shape, SpindleMode,
-    SpindleSpeed, Until, Work, code_file::CodeFile,
+    Arc, Axis, Code, CodePacket, Curve, Feed, Item, PathMode, PerAxis, Plane, Position, Set, Shape,
+    SpindleMode, SpindleSpeed, Until, Work, code_file::CodeFile,
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -169,6 +169,16 @@ fn items() -> [Vec<Item>; 2] {
         Code::Await { input: 5, until: Until::High, within_s: 2.0 },
         Code::Pause,
         Code::Arc { arc: Arc { plane: Plane::Zx, target: point(20.0, -2.0), center, turns: 1 }, feed },
+        Code::Curve {
+            curve: Curve {
+                target: point(20.1, -2.0),
+                way: [0.1, 0.0, 0.0],
+                start: [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]],
+                end: [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]],
+                length_mm: 0.1,
+            },
+            feed,
+        },
         Code::Formula { slot: 0, formula: Formula::new(&wave).expect("it is complete") },
         work(Shape::Contour(contour, [Axis::Z, Axis::X])),
         work(Shape::Surface(surface_of_lines)),

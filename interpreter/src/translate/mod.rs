@@ -99,7 +99,7 @@ impl Translator {
         let modal = Modal::new(machine);
         Translator {
             machine: machine.clone(),
-            output: Output::new(modal.path.mode),
+            output: Output::new(machine, modal.path.mode),
             modal,
             points: Points::at_home(machine),
             spindle: Spindle::new(),

@@ -3,6 +3,7 @@
 mod bad_programs;
 mod blocks;
 mod chain;
+mod curves;
 mod cycle;
 mod dialects;
 mod doubts;
@@ -69,6 +70,7 @@ fn text(code: &Code) -> String {
         Code::Spindle { mode, speed } => format!("spindle {mode:?} {speed:?}"),
         Code::PathMode(mode) => format!("path {mode:?}"),
         Code::Arc { arc, .. } => format!("arc {arc:?}"),
+        Code::Curve { curve, .. } => format!("curve {curve:?}"),
         Code::Tool { number } => format!("tool {number}"),
         Code::Coolant { mist, flood } => format!("coolant mist {mist} flood {flood}"),
         Code::Output { number, set, in_step } => format!("output {number} {set:?} in step {in_step}"),

@@ -14,7 +14,7 @@ fn example() -> Machine {
 }
 
 /// The same with travels and homes that these tests count on.
-fn mill() -> Machine {
+pub(crate) fn mill() -> Machine {
     let mut machine = example();
     let x = (Axis::X, [-200.0, 200.0], 0.0);
     for (axis, travel, home) in [x, (Axis::Y, [-150.0, 150.0], 0.0), (Axis::Z, [-250.0, 0.0], -50.0)] {
@@ -25,7 +25,7 @@ fn mill() -> Machine {
 }
 
 /// The mill with a rotary axis C of one turn either way.
-fn mill_with_c() -> Machine {
+pub(crate) fn mill_with_c() -> Machine {
     let mut machine = mill();
     let mut c = machine.axis[&Axis::X].clone();
     (c.travel_mm, c.home_mm) = ([-360.0, 360.0], 0.0);

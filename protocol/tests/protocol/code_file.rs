@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use protocol::{
-    Arc, Axis, AxisLaw, ByHand, Code, Feed, Item, PathMode, PerAxis, Plane, Position, Refused, Set, Shape,
-    SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, VariationShape, Work,
+    Arc, Axis, AxisLaw, ByHand, Code, Curve, Feed, Item, PathMode, PerAxis, Plane, Position, Refused, Set,
+    Shape, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, VariationShape, Work,
     code_file::{CodeFile, CodeFileError, CodeReader, Identity},
 };
 use shape::{
@@ -134,6 +134,12 @@ fn any_item() -> impl Strategy<Value = Item> {
         (mode, any_speed()).prop_map(|(mode, speed)| Code::Spindle { mode, speed }),
         any_path_mode().prop_map(Code::PathMode),
         (any_arc(), feed_of_arc).prop_map(|(arc, feed)| Code::Arc { arc, feed }),
+        (1e-3..1e3, -1.0..1.0).prop_map(|(length_mm, bend)| {
+            let rows = [[0.6, -0.8, 0.0], [bend, 0.0, bend], [0.0, bend, 0.0]];
+            let curve =
+                Curve { target: PerAxis::default(), way: [bend; 3], start: rows, end: rows, length_mm };
+            Code::Curve { curve, feed: Feed::PerMinute(100.0) }
+        }),
         any::<u32>().prop_map(|number| Code::Tool { number }),
         any::<(bool, bool)>().prop_map(|(mist, flood)| Code::Coolant { mist, flood }),
         (0_u8..64, any::<(bool, bool)>())

@@ -96,6 +96,11 @@ fn meeting() -> Meeting {
     Meeting { first, second, leaving: true, share: LONG }
 }
 
+fn long_curve() -> Curve {
+    let rows = [[LONG; 3]; 3];
+    Curve { target: [FAR; 8], way: [LONG; 3], start: rows, end: rows, length_mm: LONG }
+}
+
 /// The longest item of each kind, and its bytes: whoever changes what is sent sees here what it costs.
 #[test]
 fn each_kind_of_item_has_its_largest_size() {
@@ -109,6 +114,7 @@ fn each_kind_of_item_has_its_largest_size() {
     let table = [
         ("line", Code::Line { target, feed }, 96),
         ("arc", Code::Arc { arc, feed }, 120),
+        ("piece of a curve", Code::Curve { curve: long_curve(), feed }, 280),
         ("path mode", Code::PathMode(PathMode::Blend { tolerance_mm: LONG, merge_mm: LONG }), 32),
         ("dwell", Code::Dwell { seconds: LONG }, 23),
         ("spindle", Code::Spindle { mode: SpindleMode::Counterclockwise, speed: surface_speed }, 42),

@@ -68,6 +68,7 @@ fn every_code_travels() {
             codes.push(Code::Arc { arc: Arc { plane, turns, ..arc() }, feed });
         }
     }
+    codes.push(Code::Curve { curve: curve(), feed: Feed::PerMinute(100.0) });
     let blend = PathMode::Blend { tolerance_mm: 0.02, merge_mm: 0.01 };
     codes.extend([PathMode::ExactStop, PathMode::ExactPath, blend].map(Code::PathMode));
     for (mist, flood) in [(false, false), (true, false), (false, true), (true, true)] {
@@ -145,6 +146,47 @@ fn arcs_that_no_interpreter_sends_are_refused() {
     assert_eq!(unpack(at_center, feed), Refused::OutOfRange("radius of an arc"));
     let far = |arc: &mut Arc| arc.center = [Position(i64::MAX); 2];
     assert_eq!(unpack(far, feed), Refused::OutOfRange("radius of an arc"));
+}
+
+/// A tenth of a millimetre along X.
+fn curve() -> Curve {
+    let (mut target, straight) = (PerAxis::default(), [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
+    target[0] = Position::from_mm(0.1);
+    Curve { target, way: [0.1, 0.0, 0.0], start: straight, end: straight, length_mm: 0.1 }
+}
+
+#[test]
+fn curves_that_no_interpreter_sends_are_refused() {
+    let unpack = |change: fn(&mut Curve), feed| {
+        let mut curve = curve();
+        change(&mut curve);
+        CodePacket::pack(0, &Item { line: 1, code: Code::Curve { curve, feed } }).unpack(0).unwrap_err()
+    };
+    let feed = Feed::PerMinute(100.0);
+    assert_eq!(unpack(|_| (), Feed::Rapid), Refused::OutOfRange("feed of a curve"));
+    assert_eq!(unpack(|_| (), Feed::PerMinute(-1.0)), Refused::OutOfRange("feed"));
+    assert_eq!(unpack(|curve| curve.length_mm = 0.0, feed), Refused::OutOfRange("length of a curve"));
+    assert_eq!(unpack(|curve| curve.way[1] = f64::NAN, feed), Refused::NotFinite("derivative of a curve"));
+    assert_eq!(
+        unpack(|curve| curve.end[2][0] = f64::INFINITY, feed),
+        Refused::NotFinite("derivative of a curve")
+    );
+    assert_eq!(unpack(|curve| curve.start[0][1] = 0.1, feed), Refused::OutOfRange("direction of a curve"));
+}
+
+#[test]
+fn a_curve_leads_from_where_it_begins_to_its_target_and_nowhere_else() {
+    let from = PerAxis::default();
+    let path = curve().path(&from).expect("a path");
+    assert!((path.at(0.05)[0][0] - 0.05).abs() < 1e-15 && path.length() == 0.1);
+    let mut elsewhere = from;
+    elsewhere[0] = Position(-9_000_000);
+    let path = curve().path(&elsewhere).expect("a path from beside its start");
+    assert!((path.at(0.1)[0][0] - 0.109).abs() < 1e-12, "to its target");
+    elsewhere[0] = Position(-10_001_000);
+    assert_eq!(curve().path(&elsewhere).unwrap_err(), Refused::OutOfRange("way of a curve"));
+    (elsewhere[0], elsewhere[3]) = (Position(0), Position(10_001_000));
+    assert_eq!(curve().path(&elsewhere).unwrap_err(), Refused::OutOfRange("way of a curve"), "C stands");
 }
 
 #[test]

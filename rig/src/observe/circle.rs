@@ -100,6 +100,10 @@ impl Watch {
                 (self.at, self.arcs) = (arc.target, self.arcs + usize::from(round));
                 round
             }
+            Code::Curve { curve, .. } => {
+                self.at = curve.target;
+                false
+            }
             Code::Formula { .. } | Code::Work(_) | Code::Tool { .. } => true,
             _ => false,
         }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use machine::Machine;
-use protocol::{Arc, Axis, Code, Item, PathMode, PerAxis, Position, Set};
+use protocol::{Axis, Code, Item, PathMode, PerAxis, Position, Set};
 
 /// What is in force at a place of a program, as its items say it: nothing is guessed.
 #[derive(Clone, Debug)]
@@ -77,7 +77,7 @@ impl Modal {
 /// Where an item leaves the axes that stand here before it.
 pub(super) fn end(item: &Item, here: &PerAxis<Position>) -> PerAxis<Position> {
     match &item.code {
-        Code::Line { target, .. } | Code::Arc { arc: Arc { target, .. }, .. } => *target,
+        code if code.target().is_some() => code.target().copied().unwrap_or(*here),
         Code::Pass(pass) => pass.axes.map(|law| law.end),
         _ => *here,
     }

@@ -9,7 +9,7 @@
 use std::collections::BTreeSet;
 
 use machine::Machine;
-use protocol::{Axis, Code, Feed, Item, PerAxis, Position, ThreadPass};
+use protocol::{Axis, Code, Curve, Feed, Item, PerAxis, Position, ThreadPass};
 
 use super::{Plan, Refusal, Stands, before, reader::Modal};
 
@@ -18,6 +18,8 @@ use super::{Plan, Refusal, Stands, before, reader::Modal};
 const MOST_MM: f64 = 5.0;
 /// Numbers that came about by another sum are the same within so much, mm and degrees.
 const SAME: f64 = 1e-5;
+/// Derivatives of a curve that is fitted elsewhere are the same to this, relative.
+const ALIKE: f64 = 1e-6;
 
 /// How a tool differs from the one before: X (a radius) and Z of where the axes carry it, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,6 +139,12 @@ fn is_alike(was: &Code, is: &Code) -> bool {
             };
             let with_it = apart(first, 0).abs() <= SAME && apart(second, 1).abs() <= SAME;
             with_it && (was.plane, was.turns) == (is.plane, is.turns) && was_feed == is_feed
+        }
+        (Code::Curve { curve: was, feed: was_feed }, Code::Curve { curve: is, feed: is_feed }) => {
+            let values =
+                |curve: &Curve| [curve.start, curve.end].into_iter().flatten().flatten().chain(curve.way);
+            let near = |(was, is): (f64, f64)| (is - was).abs() <= ALIKE * (1.0 + was.abs());
+            values(was).zip(values(is)).all(near) && was_feed == is_feed
         }
         (Code::Pass(was), Code::Pass(is)) => is_same_pass(was, is),
         // A surface speed counts from the axis, which lies elsewhere for another tool.

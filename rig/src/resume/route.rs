@@ -5,12 +5,13 @@
 //! | the tool stands | it goes |
 //! |---|---|
 //! | in the box of a pass | along the axis that lifts it, to where it is clear; along the thread; then to the start |
-//! | on a line or an arc | back on it, to its begin |
+//! | on a line, an arc or a curve | back on it, to its begin |
 //! | beside a line or an arc, in the box of a later pass | as out of that pass, to where the line leads or the contour begins |
 //!
-//! A line and an arc are followed backwards exactly, so what the tool has cut is free for it.
+//! A line and an arc are followed backwards exactly, a piece of a curve by lines that lie within a thousandth
+//! of what it rises, so what the tool has cut is free for it.
 
-use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Position, ThreadPass};
+use protocol::{Arc, Axis, Code, Curve, Feed, Item, PerAxis, Position, ThreadPass};
 
 use super::reader::apart_mm;
 
@@ -27,6 +28,8 @@ const NEXT: usize = 3;
 const BEYOND_MM: [f64; 2] = [8.0, 0.5];
 /// Back over what was cut at this feed, in mm/min.
 const BACK: Feed = Feed::PerMinute(400.0);
+/// So many lines stand for a piece of a curve.
+const PLACES: u32 = 32;
 /// An arc shorter than this is left on a line: its angle would not be known, mm.
 const SHORT_MM: f64 = 0.1;
 
@@ -115,6 +118,10 @@ fn off((item, from): &Step, here: &PerAxis<Position>) -> Option<[f64; 2]> {
         }
         Code::Line { target, .. } => Some([beside_line_mm(from, target, here), BESIDE_FEED_MM]),
         Code::Arc { arc, .. } => Some([beside_arc_mm(from, arc, here), BESIDE_FEED_MM]),
+        Code::Curve { curve, .. } => {
+            let (_, mm) = nearest(&places(from, curve), here)?;
+            Some([mm, BESIDE_FEED_MM])
+        }
         Code::Pass(pass) => is_in_box(pass, here).then_some([0.0, BESIDE_FEED_MM]),
         _ => None,
     }
@@ -181,6 +188,23 @@ fn beside_arc_mm(from: &PerAxis<Position>, arc: &Arc, here: &PerAxis<Position>) 
     apart_mm(from, here).min(apart_mm(&arc.target, here))
 }
 
+/// Places on a piece of a curve, so near to each other that lines between them are the piece.
+fn places(from: &PerAxis<Position>, curve: &Curve) -> Vec<PerAxis<Position>> {
+    let Ok(path) = curve.path(from) else { return Vec::new() };
+    let share = |step: u32| f64::from(step) / f64::from(PLACES);
+    let place = |step: u32| {
+        let [gone, ..] = path.at(share(step) * path.length());
+        std::array::from_fn(|axis| from[axis].moved(gone[axis]))
+    };
+    (0..=PLACES).map(place).collect()
+}
+
+/// The one of the lines between places that is nearest, and how far it is, mm.
+fn nearest(places: &[PerAxis<Position>], here: &PerAxis<Position>) -> Option<(usize, f64)> {
+    let beside = places.windows(2).map(|pair| beside_line_mm(&pair[0], &pair[1], here)).enumerate();
+    beside.min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
 /// A way that is being found.
 struct Way {
     items: Vec<Item>,
@@ -220,6 +244,15 @@ impl Way {
         self.items.push(Item { line: self.line, code: Code::Arc { arc, feed: BACK } });
         self.at = *from;
     }
+
+    /// Back along a piece of a curve to where it begins.
+    fn back_along(&mut self, curve: &Curve, from: &PerAxis<Position>) {
+        let places = places(from, curve);
+        if let Some((line, _)) = nearest(&places, &self.at) {
+            places[..=line].iter().rev().for_each(|place| self.go(*place, BACK));
+        }
+        self.go(*from, BACK);
+    }
 }
 
 /// The moves from where the tool stands on the last of these steps to where it was before the first.
@@ -232,6 +265,7 @@ pub(super) fn way_back(steps: &[Step], here: &PerAxis<Position>) -> Vec<Item> {
             Code::Line { feed: Feed::Rapid, .. } => way.go(*from, Feed::Rapid),
             Code::Line { .. } => way.go(*from, BACK),
             Code::Arc { arc, .. } => way.back_on(arc, from),
+            Code::Curve { curve, .. } => way.back_along(curve, from),
             _ => {}
         }
     }

@@ -100,7 +100,7 @@ impl Program<'_> {
     fn item(&mut self, item: &Item) -> Result<(), NoLines> {
         let refuse = |reason: String| NoLines { line: item.line, reason };
         match &item.code {
-            Code::Line { .. } | Code::Arc { .. } => self.travel(item).map_err(refuse)?,
+            Code::Line { .. } | Code::Arc { .. } | Code::Curve { .. } => self.travel(item).map_err(refuse)?,
             Code::Work(trace) => self.trace(item.line, trace).map_err(refuse)?,
             Code::Pass(_) => return Err(refuse("a pass of a thread is not said in lines".into())),
             Code::Formula { slot, formula } => {

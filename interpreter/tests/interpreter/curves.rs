@@ -1,0 +1,210 @@
+//! Runs of lines become curves: which of them do, what a curve keeps of its lines, and how far the whole path
+//! leads away from the program.
+
+use interpreter::Check;
+use motion::Path;
+use protocol::{Axis, Code, Feed, PerAxis, Position, units::AXES};
+use testing::{Seed, count};
+
+use crate::mill::{good_on, mill, mill_with_c};
+
+/// Points of a wave of 40 mm, 0.1 mm apart.
+fn wave() -> Vec<[f64; 2]> {
+    (0..=400).map(|k| f64::from(k) * 0.1).map(|x| [x, 3.0 * libm::sin(x / 3.0)]).collect()
+}
+
+/// A program along points, with words for its start and something before a line or two.
+fn program(start: &str, points: &[[f64; 2]], between: &[(usize, &str)]) -> String {
+    let mut text = format!("G21 G90 G17 G94 S1000 M3 {start}\nG0 X{} Y{} Z-50\n", points[0][0], points[0][1]);
+    for (k, [x, y]) in points.iter().enumerate().skip(1) {
+        between.iter().filter(|(at, _)| *at == k).for_each(|(_, words)| text += &format!("{words}\n"));
+        text += &format!("G1 X{x:.6} Y{y:.6}\n");
+    }
+    text + "M2\n"
+}
+
+fn curves(check: &Check) -> usize {
+    check.items.iter().filter(|item| matches!(item.code, Code::Curve { .. })).count()
+}
+
+/// Every feed of the program, where it ends, and the line that it is from.
+fn feeds(check: &Check) -> Vec<(u32, Feed, PerAxis<Position>)> {
+    let feed = |item: &protocol::Item| {
+        let feed = item.code.feed().filter(|feed| *feed != Feed::Rapid)?;
+        Some((item.line, feed, *item.code.target()?))
+    };
+    check.items.iter().filter_map(feed).collect()
+}
+
+#[test]
+fn a_run_of_lines_becomes_a_few_pieces_that_end_where_it_ends() {
+    let check = good_on(&mill(), &program("G64 P0.01 F1000", &wave(), &[]));
+    let feeds = feeds(&check);
+    assert!(feeds.len() == curves(&check) && feeds.len() < 100, "{} of 400 lines", feeds.len());
+    let (line, feed, target) = feeds[feeds.len() - 1];
+    let [x, y] = wave()[400];
+    assert_eq!((line, feed), (402, Feed::PerMinute(1000.0)));
+    assert_eq!(target[0], Position::from_mm(x));
+    assert!((target[1].mm() - y).abs() < 1e-6, "six decimals");
+    assert!(feeds.windows(2).all(|pair| pair[0].0 <= pair[1].0), "lines of the program in order");
+}
+
+#[test]
+fn what_is_to_be_exact_stays_lines() {
+    for start in ["G64 P0.01 Q0 F1000", "G61 F1000", "G61.1 F1000", "G64 P0.0004 F1000"] {
+        assert_eq!(curves(&good_on(&mill(), &program(start, &wave(), &[]))), 0, "{start}");
+    }
+    let text = program("G64 P0.01 F1000", &wave(), &[]).replace("G1 X", "G0 X");
+    assert_eq!(curves(&good_on(&mill(), &text)), 0, "rapids");
+    let few = good_on(&mill(), &program("G64 P0.01 F1000", &wave()[..4], &[]));
+    assert_eq!((curves(&few), feeds(&few).len()), (0, 3), "a few lines");
+}
+
+#[test]
+fn another_axis_ends_a_run() {
+    let mut text = program("G64 P0.01 F1000", &wave(), &[]);
+    assert!(curves(&good_on(&mill_with_c(), &text)) > 0);
+    for (k, line) in text.clone().lines().filter(|line| line.starts_with("G1")).enumerate() {
+        text = text.replacen(&format!("{line}\n"), &format!("{line} C{}\n", k % 90), 1);
+    }
+    assert_eq!(curves(&good_on(&mill_with_c(), &text)), 0);
+}
+
+#[test]
+fn lines_at_the_end_of_travel_stay() {
+    let mut machine = mill();
+    let high = wave().iter().map(|[_, y]| *y).fold(0.0, f64::max);
+    machine.axis.get_mut(&Axis::Y).expect("a mill has Y").travel_mm[1] = high + 0.001;
+    let check = good_on(&machine, &program("G64 P0.01 F1000", &wave(), &[]));
+    let most = |target: &PerAxis<Position>| target[1].mm();
+    let near: Vec<bool> = check
+        .items
+        .iter()
+        .filter(|item| item.code.target().is_some_and(|target| most(target) > high - 0.005))
+        .map(|item| matches!(item.code, Code::Line { .. }))
+        .collect();
+    assert!(near.len() > 2 && near.iter().all(|line| *line), "{near:?}");
+    assert!(curves(&check) > 0, "elsewhere they are smoothed");
+}
+
+#[test]
+fn a_piece_has_the_slowest_feed_of_its_lines() {
+    let check = good_on(&mill(), &program("G64 P0.01 F1000", &wave(), &[(200, "F300"), (220, "F2000")]));
+    let at = |target: &PerAxis<Position>| target[0].mm();
+    let mut seen = [0, 0, 0];
+    let mut from = 0.0;
+    for (_, feed, target) in feeds(&check) {
+        let (lowest, to) = (from, at(&target));
+        let touches = |range: [f64; 2]| lowest < range[1] - 0.02 && to > range[0] + 0.02;
+        let slow = touches([19.9, 21.9]);
+        let expected = if slow {
+            300.0
+        } else if to < 20.0 {
+            1000.0
+        } else {
+            2000.0
+        };
+        assert_eq!(feed, Feed::PerMinute(expected), "from {from} to {to}");
+        seen[if slow { 1 } else { usize::from(to > 20.0) * 2 }] += 1;
+        from = to;
+    }
+    assert!(seen.iter().all(|count| *count > 1), "{seen:?}");
+    let turns = program("G64 P0.01 F1000", &wave(), &[(200, "G95 F0.2")]);
+    assert!(curves(&good_on(&mill(), &turns)) > 0, "another kind of feed begins another run");
+}
+
+#[test]
+fn a_message_stands_where_it_stands_in_the_program() {
+    let check = good_on(&mill(), &program("G64 P0.01 F1000", &wave(), &[(200, "(MSG, half of it)")]));
+    let message = &check.messages[0];
+    let before: u64 =
+        check.items.iter().filter(|item| item.line < message.line).map(protocol::Item::steps).sum();
+    assert_eq!(message.after, before);
+    assert!(curves(&check) > 0);
+}
+
+/// Places along a path that starts at `from`, mm.
+fn places(from: &PerAxis<Position>, path: &Path<AXES>, out: &mut Vec<[f64; 3]>) {
+    let count = (path.length() / 0.01).ceil().clamp(4.0, 4000.0);
+    for k in 0..=count as u32 {
+        let [gone, ..] = path.at(path.length() * f64::from(k) / count);
+        out.push(std::array::from_fn(|i| from[i].mm() + gone[i]));
+    }
+}
+
+fn beside(point: &[f64; 3], from: &[f64; 3], to: &[f64; 3]) -> f64 {
+    let (mut along, mut square) = (0.0, 0.0);
+    for i in 0..3 {
+        along += (point[i] - from[i]) * (to[i] - from[i]);
+        square += (to[i] - from[i]) * (to[i] - from[i]);
+    }
+    let share = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+    (0..3).map(|i| point[i] - from[i] - share * (to[i] - from[i])).map(|off| off * off).sum::<f64>().sqrt()
+}
+
+/// Of random programs, merged and smoothed: the path of the items lies within P of the lines of the program,
+/// and the points of the program within P of that path. Both are walked side by side.
+#[test]
+fn the_path_of_random_programs_stays_within_p_of_the_program() {
+    let mut smoothed = 0;
+    for case in 0..count("PITCHLOCK_CURVES", 40) {
+        let mut random = Seed::of_case(case);
+        let p = random.scale(0.003, 0.05);
+        let (short, long, bend) =
+            (random.scale(0.005, 0.3), random.scale(1.0, 30.0), random.scale(0.01, 0.3));
+        let (mut at, mut heading, mut points) = ([0.0_f64; 2], 0.0, vec![[0.0; 3]]);
+        for _ in 0..300 {
+            heading += bend * random.signed() + if random.chance(0.04) { 2.5 * random.signed() } else { 0.0 };
+            if at[0].abs().max(at[1].abs()) > 100.0 {
+                heading = libm::atan2(-at[1], -at[0]);
+            }
+            let length = short * random.scale(1.0, long);
+            at = [at[0] + length * libm::cos(heading), at[1] + length * libm::sin(heading)];
+            let rounded = at.map(|mm| (mm * 1e4).round() / 1e4);
+            points.push([rounded[0], rounded[1], -50.0]);
+        }
+        points[0][2] = -50.0;
+        let flat: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
+        let check = good_on(&mill(), &program(&format!("G64 P{p:.6} F3000"), &flat, &[]));
+        smoothed += curves(&check);
+        let mut here = mill().home();
+        let mut way = Vec::new();
+        for item in &check.items {
+            let Some(target) = item.code.target() else { continue };
+            let path = match &item.code {
+                Code::Curve { curve, .. } => {
+                    Some(curve.path(&here).expect("it leads on from the item before"))
+                }
+                Code::Line { feed, .. } if *feed != Feed::Rapid => {
+                    Path::line(std::array::from_fn(|i| target[i].mm_from(here[i])), &Axis::METRIC)
+                }
+                _ => None,
+            };
+            path.iter().for_each(|path| places(&here, path, &mut way));
+            here = *target;
+        }
+        let most = p + 1e-5;
+        // Both go on together: no line far behind or ahead is looked at.
+        let mut line = 0;
+        for place in &way {
+            let window = line..(line + 60).min(points.len() - 1);
+            let off = |k: usize| beside(place, &points[k], &points[k + 1]);
+            let nearest = window.clone().min_by(|a, b| off(*a).total_cmp(&off(*b))).expect("a line");
+            assert!(
+                off(nearest) <= most,
+                "case {case}: {} of {p} beside line {nearest} at {place:?}",
+                off(nearest)
+            );
+            line = line.max(nearest.saturating_sub(20));
+        }
+        let mut step = 0;
+        for point in &points {
+            let window = step..(step + 20_000).min(way.len() - 1);
+            let off = |k: usize| beside(point, &way[k], &way[k + 1]);
+            let nearest = window.min_by(|a, b| off(*a).total_cmp(&off(*b))).expect("a step");
+            assert!(off(nearest) <= most, "case {case}: {} of {p} past {point:?}", off(nearest));
+            step = nearest.saturating_sub(5000);
+        }
+    }
+    assert!(smoothed > 1000, "{smoothed} pieces");
+}
