@@ -115,3 +115,48 @@ fn way(from: &PerAxis<Position>, to: &PerAxis<Position>) -> [f64; AXES] {
 fn length(way: &[f64; AXES]) -> f64 {
     way.iter().map(|way| way * way).sum::<f64>().sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position};
+
+    use super::Merger;
+
+    proptest! {
+        /// Every programmed end lies within half of Q of the lines that are left, and the last one is kept
+        /// exactly.
+        #[test]
+        fn no_end_is_farther_away_than_half_of_q(
+            steps in prop::collection::vec((-0.02..0.02_f64, 0.005..0.08_f64), 2..60)
+        ) {
+            let mode = PathMode::Blend { tolerance_mm: 0.02, merge_mm: 0.01 };
+            let at = |[x, z]: [f64; 2]| {
+                let mut at = PerAxis::default();
+                (at[Axis::X.index()], at[Axis::Z.index()]) = (Position::from_mm(x), Position::from_mm(z));
+                at
+            };
+            let (mut merger, mut ends, mut points) = (Merger::default(), Vec::new(), vec![[10.0, 0.0]]);
+            let mut out = |item: Item, _| ends.push((item.line as usize, *item.code.target().expect("a line")));
+            for (dx, dz) in steps {
+                let from = points[points.len() - 1];
+                let to = [from[0] + dx, from[1] - dz].map(|mm: f64| (mm * 1e4).round() / 1e4);
+                let code = Code::Line { target: at(to), feed: Feed::PerMinute(100.0) };
+                merger.add(Item { line: points.len() as u32, code }, at(from), mode, &mut out);
+                points.push(to);
+            }
+            merger.finish(&mut out);
+            prop_assert_eq!(ends.last().map(|(_, end)| *end), points.last().map(|point| at(*point)));
+            let mut from = 0;
+            for (to, end) in ends {
+                let (a, b) = (points[from], [Axis::X, Axis::Z].map(|axis| end[axis.index()].mm()));
+                let length = libm::hypot(b[0] - a[0], b[1] - a[1]);
+                for p in &points[from..=to] {
+                    let aside = ((p[0] - a[0]) * (b[1] - a[1]) - (p[1] - a[1]) * (b[0] - a[0])) / length;
+                    prop_assert!(aside.abs() <= 0.005 + 1e-9, "{} in line {}", aside, to);
+                }
+                from = to;
+            }
+        }
+    }
+}
