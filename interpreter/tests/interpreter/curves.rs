@@ -124,12 +124,13 @@ fn a_message_stands_where_it_stands_in_the_program() {
 }
 
 /// Places along a path that starts at `from`, mm.
-fn places(from: &PerAxis<Position>, path: &Path<AXES>, out: &mut Vec<[f64; 3]>) {
+fn places(from: &PerAxis<Position>, path: &Path<AXES>) -> Vec<[f64; 3]> {
     let count = (path.length() / 0.01).ceil().clamp(4.0, 4000.0);
-    for k in 0..=count as u32 {
+    let place = |k: u32| {
         let [gone, ..] = path.at(path.length() * f64::from(k) / count);
-        out.push(std::array::from_fn(|i| from[i].mm() + gone[i]));
-    }
+        std::array::from_fn(|i| from[i].mm() + gone[i])
+    };
+    (0..=count as u32).map(place).collect()
 }
 
 fn beside(point: &[f64; 3], from: &[f64; 3], to: &[f64; 3]) -> f64 {
@@ -143,7 +144,7 @@ fn beside(point: &[f64; 3], from: &[f64; 3], to: &[f64; 3]) -> f64 {
 }
 
 /// Of random programs, merged and smoothed: the path of the items lies within P of the lines of the program,
-/// and the points of the program within P of that path. Both are walked side by side.
+/// and the points of the program within P of that path, each beside its own lines.
 #[test]
 fn the_path_of_random_programs_stays_within_p_of_the_program() {
     let mut smoothed = 0;
@@ -167,8 +168,8 @@ fn the_path_of_random_programs_stays_within_p_of_the_program() {
         let flat: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
         let check = good_on(&mill(), &program(&format!("G64 P{p:.6} F3000"), &flat, &[]));
         smoothed += curves(&check);
-        let mut here = mill().home();
-        let mut way = Vec::new();
+        let (mut here, mut begun, most) = (mill().home(), 1, p + 1e-5);
+        let mut passed = vec![f64::INFINITY; points.len()];
         for item in &check.items {
             let Some(target) = item.code.target() else { continue };
             let path = match &item.code {
@@ -180,31 +181,23 @@ fn the_path_of_random_programs_stays_within_p_of_the_program() {
                 }
                 _ => None,
             };
-            path.iter().for_each(|path| places(&here, path, &mut way));
-            here = *target;
+            // Point k ends line k + 2 of the program.
+            let ends = item.line.saturating_sub(2) as usize;
+            let way = path.map(|path| places(&here, &path)).unwrap_or_default();
+            for place in &way {
+                let off = (begun..=ends).map(|k| beside(place, &points[k - 1], &points[k]));
+                let off = off.fold(f64::INFINITY, f64::min);
+                assert!(off <= most, "case {case}: {off} of {p} beside lines {begun} to {ends} at {place:?}");
+            }
+            for pair in way.windows(2) {
+                for k in begun - 1..=ends {
+                    passed[k] = passed[k].min(beside(&points[k], &pair[0], &pair[1]));
+                }
+            }
+            (here, begun) = (*target, ends.max(1));
         }
-        let most = p + 1e-5;
-        // Both go on together: no line far behind or ahead is looked at.
-        let mut line = 0;
-        for place in &way {
-            let window = line..(line + 60).min(points.len() - 1);
-            let off = |k: usize| beside(place, &points[k], &points[k + 1]);
-            let nearest = window.clone().min_by(|a, b| off(*a).total_cmp(&off(*b))).expect("a line");
-            assert!(
-                off(nearest) <= most,
-                "case {case}: {} of {p} beside line {nearest} at {place:?}",
-                off(nearest)
-            );
-            line = line.max(nearest.saturating_sub(20));
-        }
-        let mut step = 0;
-        for point in &points {
-            let window = step..(step + 20_000).min(way.len() - 1);
-            let off = |k: usize| beside(point, &way[k], &way[k + 1]);
-            let nearest = window.min_by(|a, b| off(*a).total_cmp(&off(*b))).expect("a step");
-            assert!(off(nearest) <= most, "case {case}: {} of {p} past {point:?}", off(nearest));
-            step = nearest.saturating_sub(5000);
-        }
+        let missed = passed.iter().enumerate().find(|(_, off)| **off > most);
+        assert!(missed.is_none(), "case {case}: past a point by more than {p}: {missed:?}");
     }
     assert!(smoothed > 1000, "{smoothed} pieces");
 }
