@@ -6,7 +6,7 @@
 //! |---|---|
 //! | four lines or more, end to end, at G64 | rapids, arcs, a line alone |
 //! | X, Y, Z | lines on which another axis moves |
-//! | feeds of one kind; a piece has the slowest of those along which it leads | |
+//! | with one F | another F, which begins another run |
 //! | | lines nearer to the end of travel than they may be left, and all with Q0 |
 //!
 //! A piece has the line of the program at its end.
@@ -33,10 +33,11 @@ pub(crate) struct Smoother {
 struct Run {
     compressor: Compressor<Item>,
     mode: PathMode,
+    /// Where it begins. Curves are fitted from there, so that the same lines elsewhere become the same curve.
+    origin: PerAxis<Position>,
     /// Where the axes are at the end of what has left, and of what waits.
     left: PerAxis<Position>,
     end: PerAxis<Position>,
-    /// Kind of the feeds.
     feed: Feed,
 }
 
@@ -64,25 +65,23 @@ impl Smoother {
             items.push_back(item);
             return;
         };
-        let goes_on = self.run.as_ref().is_some_and(|run| {
-            run.mode == mode
-                && run.end == rest
-                && core::mem::discriminant(&run.feed) == core::mem::discriminant(&feed)
-        });
+        let goes_on =
+            self.run.as_ref().is_some_and(|run| run.mode == mode && run.end == rest && run.feed == feed);
         if !goes_on {
             self.finish(items);
         }
         let run = self.run.get_or_insert_with(|| Run::new(rest, mode, feed));
         let Some(target) = item.code.target().copied() else { return };
         run.end = target;
-        let Run { compressor, left, .. } = run;
-        compressor.add(led(&target), item, &mut |course| items.push_back(leave(course, left)));
+        let Run { compressor, origin, left, .. } = run;
+        let mut out = |course: Course<'_, Item>| items.push_back(leave(course, origin, left));
+        compressor.add(seen(&target, origin), item, &mut out);
     }
 
     /// What waits leaves.
     pub(crate) fn finish(&mut self, items: &mut VecDeque<Item>) {
-        if let Some(Run { mut compressor, mut left, .. }) = self.run.take() {
-            compressor.finish(&mut |course| items.push_back(leave(course, &mut left)));
+        if let Some(Run { mut compressor, origin, mut left, .. }) = self.run.take() {
+            compressor.finish(&mut |course| items.push_back(leave(course, &origin, &mut left)));
         }
     }
 
@@ -103,7 +102,8 @@ impl Smoother {
 impl Run {
     fn new(from: PerAxis<Position>, mode: PathMode, feed: Feed) -> Run {
         let leeway = leeway(mode).unwrap_or(Leeway { corner: 0.0, flat: 0.0, tip: 0.0 });
-        Run { compressor: Compressor::new(led(&from), leeway), mode, left: from, end: from, feed }
+        let compressor = Compressor::new([0.0; 3], leeway);
+        Run { compressor, mode, origin: from, left: from, end: from, feed }
     }
 }
 
@@ -122,42 +122,30 @@ fn led(place: &PerAxis<Position>) -> [f64; 3] {
     LED.map(|axis| place[axis.index()].mm())
 }
 
-/// The item of a line, or of a piece of a curve, which begins at `left`.
-fn leave(course: Course<'_, Item>, left: &mut PerAxis<Position>) -> Item {
+/// X, Y, Z from the begin of a run, mm.
+fn seen(place: &PerAxis<Position>, origin: &PerAxis<Position>) -> [f64; 3] {
+    LED.map(|axis| place[axis.index()].mm_from(origin[axis.index()]))
+}
+
+/// The item of a line, or of a piece of a curve, of a run that begins at `origin`; the axes are at `left`.
+fn leave(course: Course<'_, Item>, origin: &PerAxis<Position>, left: &mut PerAxis<Position>) -> Item {
     let item = match course {
         Course::Line(item) => *item,
         Course::Bow { bow, over } => {
             let last = over[over.len() - 1];
-            let feed = over.iter().filter_map(|item| item.code.feed()).fold(None, slower);
-            Item {
-                line: last.line,
-                code: Code::Curve { curve: curve(&bow, left), feed: feed.unwrap_or_default() },
-            }
+            let feed = last.code.feed().unwrap_or_default();
+            Item { line: last.line, code: Code::Curve { curve: curve(&bow, origin, left), feed } }
         }
     };
     *left = item.code.target().copied().unwrap_or(*left);
     item
 }
 
-fn slower(feed: Option<Feed>, other: Feed) -> Option<Feed> {
-    match (feed, other) {
-        (Some(Feed::PerMinute(a)), Feed::PerMinute(b)) => Some(Feed::PerMinute(a.min(b))),
-        (Some(Feed::PerRevolution(a)), Feed::PerRevolution(b)) => Some(Feed::PerRevolution(a.min(b))),
-        (_, other) => Some(other),
+fn curve(bow: &Bow, origin: &PerAxis<Position>, left: &PerAxis<Position>) -> Curve {
+    let [[from, start @ ..], [to, end @ ..]] = [bow.start, bow.end];
+    let mut target = *left;
+    for (axis, mm) in LED.into_iter().zip(to) {
+        target[axis.index()] = origin[axis.index()].moved(mm);
     }
-}
-
-fn curve(Bow { start, end, length }: &Bow, from: &PerAxis<Position>) -> Curve {
-    let mut target = *from;
-    for (axis, mm) in LED.into_iter().zip(end[0]) {
-        target[axis.index()] = Position::from_mm(mm);
-    }
-    let [[from, start @ ..], [to, end @ ..]] = [start, end];
-    Curve {
-        target,
-        way: core::array::from_fn(|i| to[i] - from[i]),
-        start: *start,
-        end: *end,
-        length_mm: *length,
-    }
+    Curve { target, way: core::array::from_fn(|i| to[i] - from[i]), start, end, length_mm: bow.length }
 }

@@ -88,29 +88,37 @@ fn lines_at_the_end_of_travel_stay() {
 }
 
 #[test]
-fn a_piece_has_the_slowest_feed_of_its_lines() {
+fn another_feed_ends_a_run() {
     let check = good_on(&mill(), &program("G64 P0.01 F1000", &wave(), &[(200, "F300"), (220, "F2000")]));
     let at = |target: &PerAxis<Position>| target[0].mm();
-    let mut seen = [0, 0, 0];
-    let mut from = 0.0;
+    let (mut seen, mut from) = ([0, 0, 0], 0.0);
     for (_, feed, target) in feeds(&check) {
-        let (lowest, to) = (from, at(&target));
-        let touches = |range: [f64; 2]| lowest < range[1] - 0.02 && to > range[0] + 0.02;
-        let slow = touches([19.9, 21.9]);
-        let expected = if slow {
-            300.0
-        } else if to < 20.0 {
-            1000.0
-        } else {
-            2000.0
-        };
-        assert_eq!(feed, Feed::PerMinute(expected), "from {from} to {to}");
-        seen[if slow { 1 } else { usize::from(to > 20.0) * 2 }] += 1;
+        let to = at(&target);
+        let part = usize::from(from > 19.85) + usize::from(from > 21.85);
+        assert_eq!(feed, Feed::PerMinute([1000.0, 300.0, 2000.0][part]), "from {from} to {to}");
+        assert!(to < [19.95, 21.95, 41.0][part], "to {to}");
+        seen[part] += 1;
         from = to;
     }
     assert!(seen.iter().all(|count| *count > 1), "{seen:?}");
     let turns = program("G64 P0.01 F1000", &wave(), &[(200, "G95 F0.2")]);
-    assert!(curves(&good_on(&mill(), &turns)) > 0, "another kind of feed begins another run");
+    assert!(curves(&good_on(&mill(), &turns)) > 0);
+}
+
+/// Offsets move a curve as a whole: every number of it but its places is the same to the last bit.
+#[test]
+fn a_curve_elsewhere_is_the_same_curve() {
+    let here = good_on(&mill(), &program("G64 P0.01 F1000", &wave(), &[]));
+    let there = good_on(&mill(), &program("G10 L2 P1 X0.0371 Y-0.0213\nG64 P0.01 F1000", &wave(), &[]));
+    let bends = |check: &Check| -> Vec<_> {
+        let bend = |item: &protocol::Item| match item.code {
+            Code::Curve { curve, .. } => Some((curve.way, curve.start, curve.end, curve.length_mm)),
+            _ => None,
+        };
+        check.items.iter().filter_map(bend).collect()
+    };
+    assert!(!bends(&here).is_empty());
+    assert_eq!(bends(&here), bends(&there));
 }
 
 #[test]

@@ -13,7 +13,7 @@
 //! lines: | corner | window: fitted; two thirds leave as pieces | the next window overlaps | corner |
 //! ```
 //! A run ends at a corner of more than 30°; there the blends of the chain round what is left. It begins and
-//! ends exactly in a point, in whatever direction is smoothest; in its first and last interval it keeps half
+//! ends exactly in a point, in whatever direction is smoothest; along its first and last line it keeps half
 //! of the tolerance, for the blend there takes the other half.
 //!
 //! A long run is fitted in windows, so memory is bounded and pieces leave as the lines come. A window goes on
@@ -43,7 +43,7 @@ const WINDOW: usize = 96;
 const LOOK: usize = 32;
 const MOST: usize = 4096;
 /// What is tried one after the other: shares of the widths of M186, places in an interval.
-const EFFORTS: [(f64, f64); 4] = [(1.0, 3.0), (0.6, 3.0), (0.35, 4.0), (0.2, 4.0)];
+const EFFORTS: [(f64, f64); 2] = [(1.0, 3.0), (0.6, 3.0)];
 /// So many intervals at its end are laid out again.
 const ENDS: usize = 4;
 /// Behind the middle of the overlap a spline is led off the lines by this share of the one before at most.
