@@ -133,7 +133,7 @@ pub struct Compressor<T> {
     looked: usize,
 }
 
-impl<T: Clone> Compressor<T> {
+impl<T> Compressor<T> {
     /// Nothing in hand; the first line begins at `from`.
     #[must_use]
     pub fn new(from: [f64; 3], leeway: Leeway) -> Compressor<T> {

@@ -7,7 +7,7 @@ use crate::series::{Series, length};
 
 /// In its middle a piece lies so near to the spline, as a share of its length, or mm if that is less.
 const NEAR: f64 = 1e-6;
-/// Most halvings of an interval.
+/// Most halvings of an interval; a piece leaves as it is then.
 const HALVINGS: u32 = 6;
 
 /// A piece of a curve of X, Y, Z by its length.
