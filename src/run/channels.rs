@@ -31,13 +31,32 @@ struct Source<T: Message> {
     gone: bool,
     /// Cycle of the newest that has come.
     newest: u64,
-    /// How many truths have come since.
-    unheard: u64,
+    silence: Silence,
+}
+
+/// For how long a source has said nothing while the plant went on. Truths are counted as they come: a launcher
+/// that was itself held up finds old ones in its queues, and a gap behind them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Silence {
+    /// At the look before there was nothing either.
+    was_empty: bool,
+    /// Truths in it.
+    truths: u64,
+}
+
+impl Silence {
+    /// At a look so many truths were taken, then so many messages of the source. The queues are not emptied at
+    /// one moment: truths of a look with which the silence begins may be older than the last message, which
+    /// was taken the look before, if the launcher stood between the two queues. So they do not count.
+    fn look(&mut self, truths: usize, messages: usize) {
+        let counted = if messages == 0 && self.was_empty { self.truths + truths as u64 } else { 0 };
+        *self = Silence { was_empty: messages == 0, truths: counted };
+    }
 }
 
 impl<T: Message> Source<T> {
     fn new(receiver: Receiver<T>) -> Source<T> {
-        Source { receiver, waiting: VecDeque::new(), gone: false, newest: 0, unheard: 0 }
+        Source { receiver, waiting: VecDeque::new(), gone: false, newest: 0, silence: Silence::default() }
     }
 
     /// Whether the oldest that waits is such, or nothing will come any more.
@@ -67,7 +86,7 @@ impl<T: Message> Source<T> {
 
     /// So many truths have come, and so many messages of this source, which it gives.
     fn heard(&mut self, truths: usize, messages: usize) -> usize {
-        self.unheard = if messages > 0 { 0 } else { self.unheard + truths as u64 };
+        self.silence.look(truths, messages);
         messages
     }
 }
@@ -191,13 +210,12 @@ impl Channels {
         }
     }
 
-    /// Who has said nothing for so long that it must have died or hang, in real time. Truths are counted as
-    /// they come: a launcher that was itself held up finds old ones in its queues, and a gap behind them.
+    /// Who has said nothing for so long that it must have died or hang, in real time.
     pub(crate) fn silent(&self) -> Option<Process> {
         let oldest = self.oldest?;
-        let silent = |unheard: u64, gone: bool| !gone && unheard > oldest;
-        let axes = self.axes.iter().find(|(_, source)| silent(source.unheard, source.gone));
-        let interpolator = silent(self.ticks.unheard, self.ticks.gone);
+        let silent = |silence: Silence, gone: bool| !gone && silence.truths > oldest;
+        let axes = self.axes.iter().find(|(_, source)| silent(source.silence, source.gone));
+        let interpolator = silent(self.ticks.silence, self.ticks.gone);
         axes.map(|(axis, _)| Process::Regulator(*axis)).or(interpolator.then_some(Process::Interpolator))
     }
 
@@ -247,5 +265,33 @@ impl Channels {
         counts.push(self.arrivals.count());
         counts.extend(self.axes.iter().map(|(_, source)| source.receiver.count()));
         counts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truths that came in a row of looks, each with what the source had said by then.
+    fn silent_for(looks: &[(usize, usize)]) -> u64 {
+        let mut silence = Silence::default();
+        looks.iter().for_each(|(truths, messages)| silence.look(*truths, *messages));
+        silence.truths
+    }
+
+    /// The launcher stands between two queues: it takes the statuses that came meanwhile with the look that
+    /// began before it stood, and the truths with the next one. Then the source waits for the next
+    /// measurement, or with its last word: it is not silent.
+    #[test]
+    fn a_launcher_that_stood_between_two_queues_takes_nobody_for_silent() {
+        assert_eq!(silent_for(&[(1, 1), (1, 1024), (1024, 0)]), 0);
+        assert_eq!(silent_for(&[(1, 1), (1, 1024), (1024, 0), (1, 0), (1, 1)]), 0);
+    }
+
+    #[test]
+    fn whoever_says_nothing_while_the_plant_goes_on_is_silent() {
+        assert_eq!(silent_for(&[(1, 1), (3, 0), (100, 0), (151, 0)]), 251);
+        assert_eq!(silent_for(&[(0, 0), (1024, 0)]), 1024);
+        assert_eq!(silent_for(&[(1, 0), (1024, 0), (1, 1)]), 0);
     }
 }

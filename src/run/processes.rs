@@ -145,6 +145,9 @@ impl Launch<'_> {
             }
             // In real time messages may be lost: whoever has finished has told what there is of his.
             let comes_to_its_end = self.setup.clock == Clock::Real && self.channels.last_has_come();
+            if comes_to_its_end && news > 0 {
+                self.watchdog.calm();
+            }
             force = comes_to_its_end && self.all_is_told()?;
             if !comes_to_its_end {
                 self.look_for_the_frozen(news)?;
@@ -370,7 +373,9 @@ impl Launch<'_> {
 
     /// What comes late is recorded, so that nobody waits for a place in a queue.
     fn recorder_is_fed(&mut self) -> Result<(), CliError> {
-        self.channels.drain(|_| {})?;
+        if self.channels.drain(|_| {})? > 0 {
+            self.watchdog.calm();
+        }
         self.hear_of_arrivals()
     }
 }

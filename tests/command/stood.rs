@@ -62,7 +62,9 @@ fn stood_in_real_time(place: &Place, text: &str, scenario: &str, stopped_s: f64)
     signal(launcher.id(), "CONT");
     assert!(ends(&mut launcher, 60.0), "it does not end");
     let summary = summary(&place.at("run"));
-    assert!(summary.processes.iter().all(|process| process.exit == Some(0)), "{:?}", summary.processes);
+    // Whoever gets no processor for a second of the machine is killed, which is told; nobody else may be.
+    let all_ended = summary.processes.iter().all(|process| process.exit == Some(0));
+    assert!(was_busy(&summary) || all_ended, "{:?} {:?}", summary.processes, summary.faults);
     summary
 }
 
@@ -94,8 +96,9 @@ fn in_the_gap(dwell_s: f64, event: &str, is_told: impl Fn(&Summary) -> bool) {
     let attempt = || {
         let place = Place::new();
         let summary = stood_in_real_time(&place, &text, event, 6.5);
-        let known = is_told(&summary);
-        assert!(was_busy(&summary) || known, "{:?} {:?}", summary.outcome, summary.faults);
+        // What tripped a drive before is told first.
+        let known = was_busy(&summary) || is_told(&summary);
+        assert!(known, "{:?} {:?}", summary.outcome, summary.faults);
         has_a_gap(&place, &summary) && !was_busy(&summary)
     };
     assert!((0..ATTEMPTS).any(|_| attempt()), "answers were late each time the launcher stood");

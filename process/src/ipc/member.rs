@@ -170,12 +170,26 @@ impl Member {
     ///
     /// # Errors
     /// A refusal of iceoryx2.
-    pub fn finish(mut self, counts: &[ChannelCount]) -> Result<(), IpcError> {
+    pub fn finish(self, counts: &[ChannelCount]) -> Result<(), IpcError> {
+        self.finish_and(counts, || Ok(()))
+    }
+
+    /// The same; does something now and then meanwhile, so that nobody waits for a place in a queue of this
+    /// process.
+    ///
+    /// # Errors
+    /// A refusal of iceoryx2, and what is done.
+    pub fn finish_and(
+        mut self,
+        counts: &[ChannelCount],
+        mut meanwhile: impl FnMut() -> Result<(), IpcError>,
+    ) -> Result<(), IpcError> {
         if let Some(sender) = &mut self.counts {
             counts.iter().try_for_each(|count| sender.send(&CountPacket::pack(count)))?;
         }
         self.roll_call.tell(DONE + self.process.number())?;
         while !self.ear.heard.is(END) && !is_orphan() {
+            meanwhile()?;
             self.ear.wait()?;
         }
         Ok(())

@@ -113,7 +113,13 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut counts = vec![measurements.count(), spindle.count(), status.count()];
     counts.extend([source.code.count(), source.credit.count(), notes.count()]);
     counts.extend(axes.iter().flat_map(|to| [to.frames.count(), to.statuses.count()]));
-    Ok(member.finish(&counts)?)
+    // A status that waits for a recorder that stands is sent here again each time.
+    Ok(member.finish_and(&counts, || {
+        axes.iter_mut().try_for_each(|to| {
+            while to.statuses.receive()?.is_some() {}
+            Ok(())
+        })
+    })?)
 }
 
 /// Sends what a tick says and commands. A last word waits for a recorder that stands, and nobody else for it.

@@ -1,6 +1,6 @@
 //! The process of one regulator: receive, tick, send.
 
-use protocol::{Axis, AxisFrame, Cycle, Input, Measurement};
+use protocol::{Axis, AxisCommand, AxisFrame, Cycle, Input, Measurement, Setpoint};
 
 use crate::{
     ipc::{Member, Port, Process, Receiver, channel, time::Moment},
@@ -114,17 +114,107 @@ impl Frames {
         }
         let mut wait = Wait::on(Process::Interpolator);
         loop {
-            self.next = match self.next.take() {
-                Some(frame) if frame.cycle.after(self.cycles_per_tick) <= cycle => return Ok(Some(frame)),
-                Some(frame) => Some(frame),
-                None => self.receiver.receive()?,
-            };
-            let patient = clock == Clock::Virtual && !wait.is_in_vain(member);
-            match (&self.next, patient) {
-                (Some(frame), _) if frame.cycle.after(self.cycles_per_tick) <= cycle => {}
-                (None, true) => wait.sleep(member, clock)?,
-                _ => return Ok(None),
+            let by = cycle.0.checked_sub(self.cycles_per_tick).map(Cycle);
+            let frame = due_by(by, &mut self.next, || self.receiver.receive())?;
+            if frame.is_some() || self.next.is_some() || clock == Clock::Real || wait.is_in_vain(member) {
+                return Ok(frame);
             }
+            wait.sleep(member, clock)?;
         }
+    }
+}
+
+/// The first frame of those made by then; a later one stays in `next`. One that was late once makes no other
+/// one late for ever: at rest, where the next one says the same, it is left out. Until then nothing is, since
+/// an order may stand in one frame alone, and a setpoint of a motion does.
+fn due_by<E>(
+    by: Option<Cycle>,
+    next: &mut Option<AxisFrame>,
+    mut receive: impl FnMut() -> Result<Option<AxisFrame>, E>,
+) -> Result<Option<AxisFrame>, E> {
+    let mut due: Option<AxisFrame> = None;
+    loop {
+        *next = match next.take() {
+            Some(frame) => Some(frame),
+            None => receive()?,
+        };
+        let Some(frame) = next.filter(|frame| Some(frame.cycle) <= by) else { return Ok(due) };
+        if due.is_some_and(|due| !says_the_same(&due, &frame)) {
+            return Ok(due);
+        }
+        due = next.take();
+    }
+}
+
+/// Whether a frame leaves an axis that rests as the one before does.
+fn says_the_same(before: &AxisFrame, frame: &AxisFrame) -> bool {
+    let rests = |frame: &AxisFrame| {
+        let Setpoint { velocity_mm_s, acceleration_mm_s2, .. } = frame.setpoint;
+        let leads = matches!(frame.unpack(), Ok(AxisCommand::Stream | AxisCommand::Hold));
+        leads && velocity_mm_s == 0.0 && acceleration_mm_s2 == 0.0
+    };
+    let same = (before.command, before.setpoint.position) == (frame.command, frame.setpoint.position);
+    same && rests(before) && rests(frame)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::VecDeque, convert::Infallible};
+
+    use protocol::Position;
+
+    use super::*;
+
+    /// A frame of a tick: its command, where it leads and how fast.
+    fn frame(tick: u64, command: &AxisCommand, mm: f64, velocity_mm_s: f64) -> AxisFrame {
+        let position = Position::from_mm(mm);
+        let setpoint = Setpoint { cycle: Cycle(tick + 3), position, velocity_mm_s, ..Setpoint::default() };
+        AxisFrame::pack(Cycle(tick), 1, setpoint, 0.0, command)
+    }
+
+    /// The ticks of the frames that are taken cycle by cycle, each frame coming in a cycle of its own.
+    fn taken(frames: &[(u64, AxisFrame)], cycles: std::ops::Range<u64>) -> Vec<Option<u64>> {
+        let (mut queue, mut next) = (VecDeque::new(), None);
+        cycles
+            .map(|cycle| {
+                queue.extend(frames.iter().filter(|(comes, _)| *comes == cycle).map(|(_, frame)| *frame));
+                let receive = || Ok::<_, Infallible>(queue.pop_front());
+                let Ok(frame) = due_by(cycle.checked_sub(1).map(Cycle), &mut next, receive);
+                frame.map(|frame| frame.cycle.0)
+            })
+            .collect()
+    }
+
+    /// Frames of the ticks 0 to 7, that of tick 2 a cycle late.
+    fn one_is_late(frame: impl Fn(u64) -> AxisFrame) -> Vec<Option<u64>> {
+        let comes = |tick| tick + 1 + u64::from(tick == 2);
+        let frames: Vec<_> = (0..8).map(|tick| (comes(tick), frame(tick))).collect();
+        taken(&frames, 1..9)
+    }
+
+    #[test]
+    fn at_rest_a_frame_that_is_late_makes_no_other_one_late() {
+        let rests = |tick| frame(tick, &AxisCommand::Stream, 5.0, 0.0);
+        let caught_up = [Some(0), Some(1), None, Some(3), Some(4), Some(5), Some(6), Some(7)];
+        assert_eq!(one_is_late(rests), caught_up);
+    }
+
+    #[test]
+    fn no_setpoint_of_a_motion_and_no_order_is_left_out() {
+        let all = [Some(0), Some(1), None, Some(2), Some(3), Some(4), Some(5), Some(6)];
+        assert_eq!(one_is_late(|tick| frame(tick, &AxisCommand::Stream, 0.5 * tick as f64, 1.0)), all);
+        assert_eq!(one_is_late(|tick| frame(tick, &AxisCommand::Stream, 5.0, 1.0)), all);
+        assert_eq!(one_is_late(|tick| frame(tick, &AxisCommand::CallOff, 5.0, 0.0)), all);
+        // It comes late with an order, and what rests behind it is caught up with.
+        let ordered = |tick| match tick {
+            2 => frame(tick, &AxisCommand::CallOff, 5.0, 0.0),
+            _ => frame(tick, &AxisCommand::Hold, 5.0, 0.0),
+        };
+        let behind = [Some(0), Some(1), None, Some(2), Some(4), Some(5), Some(6), Some(7)];
+        assert_eq!(one_is_late(ordered), behind);
+        // One that moves to where the next one rests.
+        let stops = |tick| frame(tick, &AxisCommand::Stream, 5.0, if tick < 3 { 1.0 } else { 0.0 });
+        let behind = [Some(0), Some(1), None, Some(2), Some(4), Some(5), Some(6), Some(7)];
+        assert_eq!(one_is_late(stops), behind);
     }
 }
