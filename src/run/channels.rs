@@ -34,8 +34,8 @@ struct Source<T: Message> {
     silence: Silence,
 }
 
-/// For how long a source has said nothing while the plant went on. Truths are counted as they come: a launcher
-/// that was itself held up finds old ones in its queues, and a gap behind them.
+/// For how long a source has said nothing while the plant went on. Truths are counted as they come: a
+/// launcher that was itself held up finds old ones in its queues, and a gap behind them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Silence {
     /// At the look before there was nothing either.
@@ -45,9 +45,9 @@ struct Silence {
 }
 
 impl Silence {
-    /// At a look so many truths were taken, then so many messages of the source. The queues are not emptied at
-    /// one moment: truths of a look with which the silence begins may be older than the last message, which
-    /// was taken the look before, if the launcher stood between the two queues. So they do not count.
+    /// At a look so many truths were taken, then so many messages of the source. The queues are not emptied
+    /// at one moment: truths of a look with which the silence begins may be older than the last message,
+    /// which was taken the look before, if the launcher stood between the two queues. So they do not count.
     fn look(&mut self, truths: usize, messages: usize) {
         let counted = if messages == 0 && self.was_empty { self.truths + truths as u64 } else { 0 };
         *self = Silence { was_empty: messages == 0, truths: counted };

@@ -32,6 +32,12 @@ impl ToAxis {
             newest: None,
         })
     }
+
+    /// Makes room: a status that waits for a recorder that stands is sent here again each time.
+    fn drain(&mut self) -> Result<(), IpcError> {
+        while self.statuses.receive()?.is_some() {}
+        Ok(())
+    }
 }
 
 /// The ports to the interpreter.
@@ -113,13 +119,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut counts = vec![measurements.count(), spindle.count(), status.count()];
     counts.extend([source.code.count(), source.credit.count(), notes.count()]);
     counts.extend(axes.iter().flat_map(|to| [to.frames.count(), to.statuses.count()]));
-    // A status that waits for a recorder that stands is sent here again each time.
-    Ok(member.finish_and(&counts, || {
-        axes.iter_mut().try_for_each(|to| {
-            while to.statuses.receive()?.is_some() {}
-            Ok(())
-        })
-    })?)
+    Ok(member.finish_and(&counts, || axes.iter_mut().try_for_each(ToAxis::drain))?)
 }
 
 /// Sends what a tick says and commands. A last word waits for a recorder that stands, and nobody else for it.
