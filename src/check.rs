@@ -270,16 +270,17 @@ fn findings(program: &Program) -> String {
             let axis = pass.along;
             let _ = writeln!(
                 text,
-                "pass  line  depth mm    start {axis}  full depth from {axis}     to {axis}  highest override"
+                "pass  line  depth mm    start {axis}  full depth from {axis}     to {axis}  chip mm  highest %"
             );
         }
         // Where the program does not say where the crest is, where the pass goes is all that is known.
         let across = if pass.along == Axis::Z { Axis::X } else { Axis::Z };
         let depth = || format!("{across}{:.3}", pass.across_mm);
         let depth = pass.depth_mm.map_or_else(depth, |depth| format!("{depth:.4}"));
+        let chip = program.chips_mm.get(&pass.pass).map_or("–".into(), |chip| format!("{chip:.3}"));
         let _ = writeln!(
             text,
-            "{:>4}  {:>4}  {:>8}  {:>9.4}  {:>17.4}  {:>7.3}  {:>14.0} %",
+            "{:>4}  {:>4}  {:>8}  {:>9.4}  {:>17.4}  {:>7.3}  {chip:>7}  {:>9.0}",
             pass.pass, pass.line, depth, pass.start_mm, from, to, pass.max_override_pct
         );
     }

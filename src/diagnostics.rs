@@ -68,6 +68,9 @@ struct Pass {
     start_z_mm: f64,
     full_depth_z_mm: [f64; 2],
     max_override_pct: f64,
+    /// How much deeper than the last pass of its start, and chip thickness; null where nobody knows.
+    deeper_mm: Option<f64>,
+    chip_mm: Option<f64>,
     /// Of a tap.
     #[serde(skip_serializing_if = "Option::is_none")]
     tap: Option<Tap>,
@@ -125,6 +128,8 @@ impl<'a> Document<'a> {
             Ok((judged, certificate)) => (judged, certificate.as_ref()),
             Err(error) => return Document { error: Some(error.to_string()), ..empty },
         };
+        let pass =
+            |note: &PassNote| Pass { chip_mm: judged.chips_mm.get(&note.pass).copied(), ..Pass::from(note) };
         let (errors, warnings) = (judged.found(Severity::Error), judged.found(Severity::Warning));
         Document {
             dialect: Some(judged.dialect),
@@ -134,7 +139,7 @@ impl<'a> Document<'a> {
             time_s: (errors == 0).then(|| (judged.time_s * 1e6).round() / 1e6),
             gauge: judged.gauge.as_ref().map(|nominal| nominal.name.as_str()),
             diagnostics: judged.diagnostics().iter().map(Entry::from).collect(),
-            passes: judged.check.iter().flat_map(|check| &check.passes).map(Pass::from).collect(),
+            passes: judged.check.iter().flat_map(|check| &check.passes).map(pass).collect(),
             certificate,
             ..empty
         }
@@ -159,6 +164,8 @@ impl From<&PassNote> for Pass {
             start_z_mm: note.start_mm,
             full_depth_z_mm: note.full_depth_mm,
             max_override_pct: note.max_override_pct,
+            deeper_mm: note.infeed_mm.map(|[deeper, _]| deeper),
+            chip_mm: None,
             tap: note.tap.map(|tap| Tap {
                 brakes_mm: tap.brakes_mm,
                 top_rpm: tap.top_rpm,

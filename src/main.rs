@@ -5,6 +5,7 @@ mod canon;
 mod certificate;
 mod changes;
 mod check;
+mod chip;
 mod cli;
 mod compile;
 mod diagnostics;

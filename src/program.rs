@@ -1,5 +1,6 @@
 //! A program, read and judged as a whole before anything moves: G-code, a job (`.toml`) or a `.mc` file.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use gauge::Nominal;
@@ -12,7 +13,7 @@ use protocol::{
 use rig::observe::{Message, Observer, ProgramWarning, Watch};
 use route::{Course, Route};
 
-use crate::{error::CliError, gauged, repeated, screen, words::Phase};
+use crate::{chip::chips_mm, error::CliError, gauged, repeated, screen, words::Phase};
 
 /// A program that was read.
 pub(crate) struct Program {
@@ -34,6 +35,8 @@ pub(crate) struct Program {
     pub(crate) part_file: Option<PathBuf>,
     /// What judges its thread.
     pub(crate) gauge: Option<Nominal>,
+    /// What the edge takes in each pass of which that is known.
+    pub(crate) chips_mm: BTreeMap<u32, f64>,
 }
 
 impl Program {
@@ -98,6 +101,7 @@ impl Program {
             messages += &read.hint();
         }
         let gauge = check.gauge.clone();
+        let chips_mm = chips_mm(&check.passes, machine, gauge.as_ref().map(|nominal| nominal.flank_deg));
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
         Ok(Program {
             dialect: read.name(),
@@ -110,6 +114,7 @@ impl Program {
             time_s,
             part_file,
             gauge,
+            chips_mm,
         })
     }
 
@@ -147,6 +152,7 @@ impl Program {
             time_s,
             part_file: None,
             gauge,
+            chips_mm: BTreeMap::new(),
         })
     }
 

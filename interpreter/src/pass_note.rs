@@ -43,6 +43,11 @@ pub struct PassNote {
     pub packet_bytes: usize,
     /// X and Z of the machine at which X 0 and Z 0 of the program lie in it, tool and offsets included, mm.
     pub origin_mm: [f64; 2],
+    /// How much deeper, and how far along the thread, it goes than the last pass of its start, mm; of the
+    /// first all of its depth. `None` where nobody knows: a first pass of unknown depth, a tap.
+    pub infeed_mm: Option<[f64; 2]>,
+    /// The tool that cuts it, if one was called for.
+    pub tool: Option<u32>,
     /// Of a tap: where it brakes and how it comes out.
     pub tap: Option<TapNote>,
     /// How the speed of the spindle is varied in it, and what comes of that.

@@ -4,13 +4,6 @@
 //! Run-in, run-out and what the axes can follow are those of the plan. Forces and errors are measured: the
 //! whole program is run once, in virtual time and in this process, on the simulated machine of the machine
 //! file. Somebody stands there who goes on after every pause of the program.
-//!
-//! ```text
-//! (M208) chip on a flank  h = Δd sin φ ± Δz cos φ      the larger of both is that of a pass
-//! ```
-//! Δd, Δz: how much deeper, and how far along the thread, a pass goes than the last one of its start; φ the
-//! angle of that flank of the tool, + on the side of higher Z. Radial infeed has h = Δd sin φ on both flanks,
-//! infeed along one of them 2 Δd sin φ on the other.
 
 mod page;
 mod taps;
@@ -33,11 +26,6 @@ use taps::Tap;
 
 pub(crate) use page::html;
 
-/// Less than this deeper, an edge rubs instead of cutting, mm: what tables of makers have as the least infeed
-/// of a last pass is 0.025 (Mitsubishi) to 0.05 mm (Tungaloy).
-const RUBS_MM: f64 = 0.025;
-/// A pass that goes no deeper than this is a spring pass, mm.
-const SPRING_MM: f64 = 1e-3;
 /// A program that takes so much longer than was foretold waits for something that does not come.
 const PATIENCE: f64 = 2.0;
 const PATIENCE_S: f64 = 60.0;
@@ -103,8 +91,7 @@ pub(crate) fn certify(
         return Ok(None);
     }
     let (summary, waits) = cut(program, path, language, machine, seed)?;
-    let nominal = program.gauge.as_ref().map(|nominal| nominal.flank_deg);
-    let passes = rows(&summary, notes, machine, nominal);
+    let passes = rows(&summary, notes, machine, &program.chips_mm);
     let mut remarks = Vec::new();
     if waits {
         remarks.push(
@@ -123,16 +110,8 @@ pub(crate) fn certify(
                     program does not tell the depth of a single pass (G33, or G32 and G92 of FANUC)";
         remarks.push(text.into());
     }
-    for row in &passes {
-        let rubs = |deeper: &f64| (SPRING_MM..RUBS_MM).contains(deeper);
-        if let Some(deeper) = row.deeper_mm.filter(rubs) {
-            let pass = row.pass;
-            remarks.push(format!(
-                "pass {pass} goes {deeper:.3} mm deeper: below {RUBS_MM} mm an edge rubs instead of cutting; take fewer \
-                 passes, or a least cut"
-            ));
-        }
-    }
+    let rubs = program.diagnostics().iter().filter(|one| one.code == "thin-chip");
+    remarks.extend(rubs.map(|one| format!("line {}: {}; {}", one.line, one.message, one.help)));
     Ok(Some(Certificate {
         seed,
         outcome: summary.outcome,
@@ -191,17 +170,10 @@ fn cut(
 }
 
 /// A row for every pass that was turned, each by its last attempt.
-fn rows(summary: &Summary, notes: &[PassNote], machine: &Machine, nominal_deg: Option<[f64; 2]>) -> Vec<Row> {
+fn rows(summary: &Summary, notes: &[PassNote], machine: &Machine, chips_mm: &BTreeMap<u32, f64>) -> Vec<Row> {
     let of_pass: BTreeMap<u32, &PassNote> = notes.iter().map(|note| (note.pass, note)).collect();
-    let mut before: BTreeMap<(u32, u64), Groove> = BTreeMap::new();
     let row = |report: &PassReport| {
         let note = of_pass.get(&report.pass);
-        let last = note.and_then(|note| {
-            let groove = Groove::of(note, report);
-            let start = (report.start, report.lead_mm.abs().to_bits());
-            before.insert(start, groove).map(|last| groove.beyond(&last)).or(groove.first())
-        });
-        let flanks = flanks_deg(machine, report.tool_number, nominal_deg);
         let touched = report.tool.contact_deg > 0.0;
         let cutting = report.cutting.as_ref();
         // Where the speed is varied, that of its mean, as `check` tells it.
@@ -215,8 +187,8 @@ fn rows(summary: &Summary, notes: &[PassNote], machine: &Machine, nominal_deg: O
             run_out_mm: note.map_or(f64::NAN, |note| note.delta_mm[1].abs()),
             highest_rpm: by_limits.min(machine.spindle.max_rpm),
             highest_override_pct: pct,
-            deeper_mm: last.map(|(deeper, _)| deeper),
-            chip_mm: last.map(|(deeper, along)| chip_mm(deeper, along, flanks)),
+            deeper_mm: note.and_then(|note| note.infeed_mm).map(|[deeper, _]| deeper),
+            chip_mm: chips_mm.get(&report.pass).copied(),
             force_n: cutting.map(|cutting| cutting.force_max_n),
             torque_nm: cutting.map(|cutting| cutting.torque_max_nm),
             power_kw: cutting.map(|cutting| cutting.power_max_kw),
@@ -225,59 +197,6 @@ fn rows(summary: &Summary, notes: &[PassNote], machine: &Machine, nominal_deg: O
         }
     };
     summary.last_attempts().filter(|report| report.tap.is_none()).map(row).collect()
-}
-
-/// Where the tool goes in a pass.
-#[derive(Clone, Copy, Debug)]
-struct Groove {
-    /// Depth below the crest, where the program says it, mm.
-    depth_mm: Option<f64>,
-    /// The axis that takes the tool to depth, and the helix along the thread at the index, mm.
-    across_mm: f64,
-    helix_mm: f64,
-    lead_mm: f64,
-}
-
-impl Groove {
-    fn of(note: &PassNote, report: &PassReport) -> Groove {
-        Groove {
-            depth_mm: note.depth_mm,
-            across_mm: note.across_mm,
-            helix_mm: report.helix_at_index_mm,
-            lead_mm: report.lead_mm,
-        }
-    }
-
-    /// Δd and Δz of a first pass: all of its depth, straight in.
-    fn first(&self) -> Option<(f64, f64)> {
-        self.depth_mm.map(|depth| (depth, 0.0))
-    }
-
-    /// Δd and Δz from another pass of the same start, mm; Δz to the nearest turn of its helix.
-    fn beyond(&self, last: &Groove) -> (f64, f64) {
-        let lead = self.lead_mm.abs();
-        let along = self.helix_mm - last.helix_mm;
-        let along = along - lead * (along / lead).round();
-        let deeper = match (self.depth_mm, last.depth_mm) {
-            (Some(depth), Some(before)) => depth - before,
-            _ => (self.across_mm - last.across_mm).abs(),
-        };
-        (deeper, along)
-    }
-}
-
-/// (M208), mm, of the flanks towards lower and higher Z; 0 of a spring pass.
-fn chip_mm(deeper_mm: f64, along_mm: f64, flanks_deg: [f64; 2]) -> f64 {
-    let [low, high] = flanks_deg.map(|flank| libm::sincos(flank.to_radians()));
-    let (low, high) = (deeper_mm * low.0 - along_mm * low.1, deeper_mm * high.0 + along_mm * high.1);
-    low.max(high).max(0.0)
-}
-
-/// The flanks of a tool, degrees: as the machine file has them, else those of the thread that is asked for,
-/// else those that passes are laid out for.
-fn flanks_deg(machine: &Machine, tool: u32, nominal: Option<[f64; 2]>) -> [f64; 2] {
-    let told = machine.tool(tool).and_then(|tool| tool.angle_deg).map(|angle| [0.5 * angle; 2]);
-    told.or(nominal).unwrap_or([machine.threading.flank_half_angle_deg; 2])
 }
 
 impl Certificate {
@@ -355,31 +274,4 @@ const COLUMNS: [Column<Row>; 14] = [
 /// A number with so many places; a dash where nobody knows it.
 fn places(value: Option<f64>, digits: usize) -> String {
     value.filter(|value| value.is_finite()).map_or("–".into(), |value| format!("{value:.digits$}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Groove, chip_mm};
-
-    /// The two flanks of a 60° tool by their normals, against the formula.
-    #[test]
-    fn chips_are_those_of_the_flanks() {
-        let of = |depth_mm, helix_mm| Groove {
-            depth_mm: Some(depth_mm),
-            across_mm: 10.0 - depth_mm,
-            helix_mm,
-            lead_mm: -2.0,
-        };
-        let radial = of(0.5, 0.3).beyond(&of(0.3, 0.3));
-        assert!((chip_mm(radial.0, radial.1, [30.0; 2]) - 0.1).abs() < 1e-12, "{radial:?}");
-        // Along a flank: tan 30° of the depth along the thread; the other flank takes twice as much, and a
-        // helix that is counted from another turn is the same helix.
-        let (deeper, along) = of(0.5, 0.3 + 4.0 + 0.2 * libm::tan(30f64.to_radians())).beyond(&of(0.3, 0.3));
-        assert!((chip_mm(deeper, along, [30.0; 2]) - 0.2).abs() < 1e-12, "{deeper} {along}");
-        // Of a buttress thread (3° and 30°), straight in.
-        assert!((chip_mm(0.2, 0.0, [3.0, 30.0]) - 0.1).abs() < 1e-12);
-        // A spring pass.
-        let (deeper, along) = of(0.5, 0.3).beyond(&of(0.5, 0.3));
-        assert_eq!((deeper, chip_mm(deeper, along, [30.0; 2])), (0.0, 0.0));
-    }
 }

@@ -32,6 +32,20 @@ fn a_certificate_says_what_the_run_then_does() {
     let text = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
     let summary: Value = serde_json::from_str(&text).expect("a document");
     assert_eq!(check.status, run.status, "{}{}", check.stdout, run.stderr);
+    // Plain `check` tells chips and the warning as well.
+    let plain = place.ask(&["check", "part.ngc", "--machine", "steel.toml", "--json"]);
+    let plain: Value = serde_json::from_str(&plain.stdout).expect("a document");
+    let told: Vec<&Value> =
+        plain["diagnostics"].as_array().expect("a list").iter().map(|one| &one["code"]).collect();
+    assert_eq!(told, ["thin-chip"]);
+    for (pass, row) in plain["passes"]
+        .as_array()
+        .expect("passes")
+        .iter()
+        .zip(document["certificate"]["passes"].as_array().expect("rows"))
+    {
+        assert_eq!((&pass["chip_mm"], &pass["deeper_mm"]), (&row["chip_mm"], &row["deeper_mm"]));
+    }
 
     let certificate = &document["certificate"];
     assert_eq!(
@@ -62,7 +76,10 @@ fn a_certificate_says_what_the_run_then_does() {
         assert!((number(&row["chip_mm"]) - told).abs() < 1e-6, "{row} {told}");
     }
     let notes = certificate["notes"].to_string();
-    assert!(notes.contains("pass 3 goes 0.017 mm deeper") && notes.contains("rubs"), "{notes}");
+    assert!(
+        notes.contains("line 6: a pass goes no more than 0.017 mm deeper") && notes.contains("rubs"),
+        "{notes}"
+    );
 }
 
 /// Where the speed is varied, too: the override is that of the mean speed.

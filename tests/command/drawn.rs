@@ -20,7 +20,7 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(path(name)).expect("the example is there")
 }
 
-/// Every example that cuts a thread, but the first hour, which says what it thinks of its bolt by itself.
+/// Every example that cuts a thread and needs nothing besides; the bolt of the first hour has its page.
 const THREADS: [&str; 15] = [
     "m20x2.ngc",
     "internal-m30.ngc",

@@ -10,6 +10,7 @@
 //! | `chamfer.rs` | the plans of a cycle, and what becomes of a chamfer that X cannot follow |
 //! | `single.rs` | the cut of a G33 block |
 //! | `plan.rs` | the law of a cut: windows, phase, run-out, highest speed |
+//! | `infeed.rs` | how much deeper each pass goes than the last one, and whose edge rubs |
 //! | `limits.rs` | what the axes of a cut can do |
 //! | `way_out.rs` | how the tool leaves a pass before its end |
 //! | `flank.rs` | when Z may begin to brake behind a retracting tool |
@@ -25,6 +26,7 @@ mod corners;
 mod cut;
 mod cycle;
 mod flank;
+mod infeed;
 mod limits;
 mod plan;
 mod policy;
@@ -41,6 +43,7 @@ pub(crate) use chain::{Leg, rounded};
 pub(crate) use chamfer::plans;
 pub use cut::{Along, Cut, Point, Taper};
 pub(crate) use cycle::{Cycle, MOST_PASSES};
+pub(crate) use infeed::Infeeds;
 pub(crate) use plan::VELOCITY_RESERVE;
 pub use plan::{Plan, plan};
 pub(crate) use policy::Policy;

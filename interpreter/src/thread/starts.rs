@@ -31,7 +31,7 @@ pub(crate) struct Starts(Vec<Helix>);
 
 /// Where a pass runs.
 #[derive(Clone, Copy, Debug)]
-struct Helix {
+pub(super) struct Helix {
     place: Place,
     along: Along,
     lead: f64,
@@ -44,7 +44,7 @@ struct Helix {
 }
 
 impl Helix {
-    fn of(cut: &Cut, place: Place) -> Helix {
+    pub(super) fn of(cut: &Cut, place: Place) -> Helix {
         let slope = cut.rise_mm() / cut.lead_mm();
         Helix {
             place,
@@ -58,8 +58,35 @@ impl Helix {
         }
     }
 
+    /// The same as a pass of this start.
+    pub(super) fn numbered(self, number: u32) -> Helix {
+        Helix { number, ..self }
+    }
+
+    /// Where its pass stands in the program.
+    pub(super) fn place(&self) -> Place {
+        self.place
+    }
+
+    /// Whether they are passes of one start.
+    pub(super) fn is_start_of(&self, other: &Helix) -> bool {
+        self.number == other.number && self.is_related(other)
+    }
+
+    /// How much further it cuts in the direction in which `cut`, its own, goes in, mm.
+    pub(super) fn inwards_mm(&self, other: &Helix, cut: &Cut) -> f64 {
+        let outwards = [cut.retract_mm, -cut.approach_mm, cut.outwards].into_iter().find(|mm| *mm != 0.0);
+        (other.x - self.x) * outwards.unwrap_or(1.0).signum()
+    }
+
+    /// How far it lies along the thread from another, to the nearest turn, mm, signed.
+    pub(super) fn along_mm(&self, other: &Helix) -> f64 {
+        let turns = (self.z - other.z) / self.lead - (self.start_deg - other.start_deg) / 360.0;
+        (turns - turns.round()) * self.lead
+    }
+
     /// Whether they have one lead.
-    fn is_related(&self, other: &Helix) -> bool {
+    pub(super) fn is_related(&self, other: &Helix) -> bool {
         self.along == other.along
             && (self.lead - other.lead).abs() < SAME
             && self.direction == other.direction
@@ -67,8 +94,7 @@ impl Helix {
 
     /// d.
     fn apart(&self, other: &Helix) -> f64 {
-        let turns = (self.z - other.z) / self.lead - (self.start_deg - other.start_deg) / 360.0;
-        ((turns - turns.round()) * self.lead).abs()
+        self.along_mm(other).abs()
     }
 
     /// Whether they are one groove.

@@ -16,8 +16,8 @@ use crate::pass_note::{PassNote, bytes_of};
 use crate::reach::{Done, within_travel};
 use crate::tapping;
 use crate::thread::{
-    Along, Cut, Cycle, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, Table, plan, plans,
-    rounded, top_share, varied,
+    Along, Cut, Cycle, Infeeds, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, Table, plan,
+    plans, rounded, top_share, varied,
 };
 
 pub(crate) use words::{cycle_on_machine, single};
@@ -50,6 +50,7 @@ pub(crate) struct Threads {
     told: Option<Variation>,
     passes: u32,
     pub(crate) starts: Starts,
+    pub(crate) infeeds: Infeeds,
     notes: Vec<PassNote>,
     /// What is wrong with passes that can be cut.
     doubts: Vec<Problem>,
@@ -146,10 +147,10 @@ impl Threads {
         Ok(())
     }
 
-    /// Where zero of the program lies in a pass.
-    pub(crate) fn lies_at(&mut self, pass: u32, origin: Point) {
+    /// Where zero of the program lies in a pass, and the tool that cuts it.
+    pub(crate) fn lies_at(&mut self, pass: u32, origin: Point, tool: Option<u32>) {
         let noted = self.notes.iter_mut().rfind(|note| note.pass == pass);
-        noted.into_iter().for_each(|note| note.origin_mm = [origin.x, origin.z]);
+        noted.into_iter().for_each(|note| (note.origin_mm, note.tool) = ([origin.x, origin.z], tool));
     }
 
     /// Plans the G33 that waits, if there is one. `rest` is where the axes are before it.
@@ -172,7 +173,7 @@ impl Threads {
                     // Nobody knows where the tool may go back to the start: a hold cuts the pass to its end.
                     planned.pass.out.leaves &= !WayOut::ON_HOLD;
                 }
-                Ok(self.number((place.line, units), (planned, varied), &cut, start, rest, machine))
+                Ok(self.number((place, units), (planned, varied), &cut, start, rest, machine))
             }
             Err(problem) => Err(Box::new(Problem { blame: Blame::Line(place.line), ..*problem })),
         };
@@ -210,7 +211,7 @@ impl Threads {
         let passes = cuts.iter().zip(plans.into_iter().zip(varied));
         Ok(passes
             .map(|(cut, planned)| {
-                (cut.from, self.number((place.line, cycle.units), planned, cut, start, rest, machine))
+                (cut.from, self.number((place, cycle.units), planned, cut, start, rest, machine))
             })
             .collect())
     }
@@ -218,7 +219,7 @@ impl Threads {
     /// Gives a pass its number, a law of rest to the axes that it does not move, and a note.
     fn number(
         &mut self,
-        (line, units): (u32, Units),
+        (place, units): (Place, Units),
         (planned, varied): (Plan, Option<(Variation, Varied)>),
         cut: &Cut,
         start: u32,
@@ -231,12 +232,13 @@ impl Threads {
             let at = rest[axis.index()];
             pass.axes[axis.index()] = AxisLaw { start: at, end: at, ..AxisLaw::default() };
         }
-        if let Some(doubt) = mostly_shallow((line, units), cut, planned.full_depth_mm) {
+        if let Some(doubt) = mostly_shallow((place.line, units), cut, planned.full_depth_mm) {
             // Of the passes of a cycle the deepest, which comes last, takes the longest way out.
             self.doubts.retain(|other| (other.code, other.blame) != (doubt.code, doubt.blame));
             self.doubts.push(doubt);
         }
-        let across = pass.axis(cut.along.lifts());
+        let (across, line) = (pass.axis(cut.along.lifts()), place.line);
+        let infeed_mm = self.infeeds.beyond(cut, start, place);
         self.notes.push(PassNote {
             pass: pass.pass,
             line,
@@ -252,6 +254,8 @@ impl Threads {
             corners: rounded(cut, &pass),
             end_lead_mm: (!cut.chain.bends().is_empty()).then(|| cut.along.of(cut.at_its_end()[0])),
             tap: None,
+            infeed_mm,
+            tool: None,
             varied,
         });
         pass
@@ -281,6 +285,8 @@ impl Threads {
             packet_bytes: bytes_of(place.line, pass),
             origin_mm: [0.0; 2],
             tap: Some(planned.note),
+            infeed_mm: None,
+            tool: None,
             varied: None,
             corners: Vec::new(),
             end_lead_mm: None,

@@ -244,5 +244,8 @@ impl Translator {
         for (place, problem) in self.threads.starts.beside(self.modal.frame.units) {
             self.output.report(place, *problem);
         }
+        for (place, problem) in self.threads.infeeds.rubs(self.modal.frame.units) {
+            self.output.report(place, *problem);
+        }
     }
 }

@@ -161,7 +161,7 @@ impl Translator {
 
     /// A pass of a thread, programmed where the part lay at `origin`.
     pub(super) fn part_sees_pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
-        self.threads.lies_at(pass.pass, origin);
+        self.threads.lies_at(pass.pass, origin, self.auxiliary.tool());
         self.cuts_at(origin);
         self.gauge_sees_pass(place, pass, origin);
         self.insert_cuts(place);

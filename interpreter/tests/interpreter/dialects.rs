@@ -84,7 +84,11 @@ fn a_chamfer_that_x_cannot_follow_is_as_steep_as_it_can() {
         let source = |s: f64, r: &str| {
             format!("O1\nG21 G97 S{s} M03\nG00 X24. Z8.\n{}\nG00 X40.\nM30\n", cycle.replace("{r}", r))
         };
-        let told = |s: f64, r: &str| check("t", &source(s, r), &machine).diagnostics;
+        let told = |s: f64, r: &str| {
+            let mut told = check("t", &source(s, r), &machine).diagnostics;
+            told.retain(|one| one.code != "thin-chip");
+            told
+        };
         let steep = told(800.0, "05");
         assert_eq!(
             steep.iter().map(|one| (one.line, one.code)).collect::<Vec<_>>(),

@@ -294,5 +294,50 @@ fn an_output_that_no_motion_follows_is_told() {
     assert_eq!(said("M62 P1\nM64 P1\nG0 X40\n"), [(2, "no-effect")], "the first one would undo it");
     assert_eq!(said("M67 E1 Q2\nM62 P1\nG0 X40\n"), [], "they are two outputs");
     assert_eq!(said("M67 E1 Q2\nM67 E1 Q3\nG0 X40\n"), [(2, "no-effect")]);
-    assert_eq!(said("M62 P1\nG0 X22 Z8\nG76 P2 Z-10 I-1 J0.3 K1 R2\nM63 P1\nG0 X40\n"), []);
+    assert_eq!(said("M62 P1\nG0 X22 Z8\nG76 P2 Z-10 I-1 J0.3 K0.98 R2\nM63 P1\nG0 X40\n"), []);
+}
+
+/// What is said of thin chips: line and message.
+fn thin(program: &str) -> Vec<(u32, String)> {
+    let found = check("part.ngc", program, &Machine::plain());
+    let told = found.diagnostics.iter().filter(|one| one.code == "thin-chip");
+    told.map(|one| (one.line, one.message.clone())).collect()
+}
+
+/// An edge that rubs is told once for a thread, however many passes do; a spring pass is none.
+#[test]
+fn a_pass_that_rubs_is_told_once_for_its_thread() {
+    let cycle = |words: &str| {
+        format!("G18 G21 G7 S400 M3\nG0 X22 Z8\nG76 P2 Z-20 I-2 {words} Q29.5 H2\nG0 X40\nM2\n")
+    };
+    assert_eq!(thin(&cycle("J0.8 K1.6 R1")), [], "two cuts of 0.4 mm and two spring passes");
+    // Radii: 0.4, 0.4 and 0.02.
+    let said = "a pass goes no more than 0.02 mm deeper than the one before in this groove: below 0.025 mm an edge \
+                rubs instead of cutting";
+    assert_eq!(thin(&cycle("J0.8 K1.64 R1")), [(3, said.into())]);
+    assert_eq!(thin(&cycle("J0.8 K1.65 R1")), [], "just enough");
+    let many = thin(&cycle("J0.2 K2 R2"));
+    // 0.1 √n up to 1 mm: 100 passes, the last of which go 0.005 mm deeper.
+    let rubs = (2..=100).filter(|n| 0.1 * (f64::from(*n).sqrt() - f64::from(n - 1).sqrt()) < 0.025).count();
+    assert_eq!(many.len(), 1, "{many:?}");
+    assert!(
+        many[0].1.starts_with(&format!("{rubs} passes go as little as 0.005 mm deeper")),
+        "{many:?} {rubs}"
+    );
+    // G33, of which nobody told the depth; outside it goes down, inside up; one that is shallower cuts air.
+    let singles = |start: f64, step: f64, out: f64| {
+        let pass = |n: i32| format!("G0 X{} Z8\nG33 Z-20 K2\nG0 X{out}\n", start + step * f64::from(n));
+        format!("G18 G21 G7 S400 M3\nG0 X{out} Z8\n{}M2\n", (0..4).map(pass).collect::<String>())
+    };
+    for (start, out, inwards) in [(20.0, 24.0, -1.0), (20.0, 16.0, 1.0)] {
+        assert_eq!(thin(&singles(start, 0.2 * inwards, out)), [], "{inwards}");
+        let told = thin(&singles(start, 0.03 * inwards, out));
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(told[0].0 == 7 && told[0].1.starts_with("3 passes go as little as 0.015 mm"), "{told:?}");
+        assert_eq!(thin(&singles(start, -0.03 * inwards, out)), [], "they cut air: {inwards}");
+    }
+    // Each start has its own last pass.
+    let two =
+        "G18 G21 G7 S400 M3\nG0 X24 Z8\nX20\nG33 Z-20 K4\nG0 X24\nZ10\nX19.97\nG33 Z-20 K4\nG0 X24\nM2\n";
+    assert_eq!(thin(two), [], "0.015 mm deeper, in another groove");
 }

@@ -345,6 +345,13 @@ impl Observer {
         let report = pass.finish();
         report.iter().for_each(|report| self.inside.ends(*pass.pass(), report.complete));
         report.iter().for_each(|report| self.threads.take(report, pass.depth()));
+        // A tap that is turned round just in front of its depth is made again: the last one counts.
+        let again = report.iter().filter(|report| report.complete && report.tap.is_some());
+        for report in again {
+            let before =
+                self.out.passes.iter_mut().filter(|before| before.pass == report.pass && before.complete);
+            before.for_each(|before| (before.complete, before.end) = (false, PassEnd::Left));
+        }
         self.out.passes.extend(report);
     }
 

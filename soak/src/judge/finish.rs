@@ -5,7 +5,7 @@ use rig::observe::{Observation, Outcome, Record};
 use rig::supervisor::End;
 
 use super::{Broken, Judge, Reference, bounds, excuse};
-use crate::event::{Button, Event, Fate, SpindleFault, Trouble, What};
+use crate::event::{Event, Fate, SpindleFault, Trouble, What};
 
 /// An axis that is slower than this stands, mm/s: at rest it is held by a loop that sees whole counts.
 const STANDS_MM_S: f64 = 0.5;
@@ -105,14 +105,8 @@ impl Judge<'_> {
         observation: &Observation,
     ) -> Option<(&'static str, String)> {
         let all: Vec<u32> = self.known.passes.keys().copied().collect();
-        let mut complete: Vec<u32> =
+        let complete: Vec<u32> =
             observation.passes.iter().filter(|pass| pass.complete).map(|pass| pass.pass).collect();
-        // A tap that a hold turns round close to its depth has been there, and is made again from its start:
-        // that is what a hold says of taps, and every time it follows one helix.
-        let held = self.known.events.iter().any(|event| matches!(event.what, What::Press(Button::Hold(_))));
-        let taps =
-            |number: &u32| self.known.passes.get(number).is_some_and(|(pass, _)| held && pass.returns());
-        complete.dedup_by(|next, before| next == before && taps(next));
         if complete.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Some(("twice", format!("passes {complete:?}")));
         }

@@ -5,8 +5,8 @@
 //! The length of the thread is looked at in [`BINS`] places; in each the tip that reached deepest counts.
 //! Where that one went across the axis rather than along it (a face, a chamfer, a groove) there is no crest.
 //! A tip beyond the bottom of the grooves is in the bore of a screw or on the outside of a nut, which is no
-//! crest either. Which way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by
-//! less than a micrometre.
+//! crest either; where it goes across, as a chamfer that begins below the grooves, no crest is left. Which
+//! way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by less than 1 µm.
 
 use gauge::{Nominal, Side};
 
@@ -57,7 +57,8 @@ impl Turned {
         }
         let [middle, slope, reach] = self.pitch_line_mm;
         let beyond = x.abs() - (middle + slope * z);
-        if reach < if self.side == Side::External { -beyond } else { beyond } {
+        let is_other_wall = reach < if self.side == Side::External { -beyond } else { beyond };
+        if is_other_wall && self.goes_along {
             return;
         }
         let bin = ((z - low) / (high - low) * BINS as f64) as usize;
@@ -90,6 +91,15 @@ mod tests {
 
     fn m20x2() -> Nominal {
         "M20x2-6g".parse().expect("a name")
+    }
+
+    /// The end of a bolt is chamfered from below its grooves: of the rough cut nothing is left there.
+    #[test]
+    fn a_chamfer_that_begins_below_the_grooves_leaves_no_crest() {
+        let rough = [[10.5, 1.0], [10.5, -25.0]];
+        let finish = [[[6.0, 0.0], [9.91, -3.91]], [[9.91, -3.91], [9.91, -25.0]]];
+        let one = turned(Side::External, &[rough, finish[0], finish[1]]).diameters_mm();
+        assert_eq!(one, Some([19.82, 19.82]));
     }
 
     fn turned(side: Side, ways: &[[[f64; 2]; 2]]) -> Turned {

@@ -309,6 +309,8 @@ fn whatever_happens_the_tool_stays_on_its_helix() {
                 let (observation, seen, _) = run(&machine, M8, &items, &scenario, 3);
                 let said = observation.warnings.iter().any(|warning| warning.code == TOOL_IN_THREAD);
                 worst = [worst[0].max(seen.most_um()), worst[1].min(seen.short_um)];
+                let complete = observation.passes.iter().filter(|pass| pass.complete).count();
+                assert!(name != "hold" || complete == 1, "{at}: {complete} complete");
                 let at = format!("{name} at {at}, {near} of {border}: {seen:?}, {:?}", observation.faults);
                 assert!(seen.most_um() <= most_um, "{at}");
                 assert!(!seen.inside || ends == Ends::Anywhere && said, "{at}");
