@@ -9,6 +9,9 @@
 //! A second table has the least time within the same limits on the path that interpreter and chain make of
 //! the lines where every corner is rounded (`optimum/mod.rs`), from grids of two steps, and how many times
 //! longer the chain takes, which stops where that is faster.
+//!
+//! `LINUXCNC=/path/to/linuxcnc cargo bench --bench contours` compares with LinuxCNC's planner instead, from a
+//! checkout of its release 2.9 (`linuxcnc/mod.rs`).
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::{PI, TAU};
@@ -22,6 +25,7 @@ use testing::Seed;
 
 use optimum::{Caps, least_time, places};
 
+mod linuxcnc;
 mod optimum;
 
 const FEED_MM_MIN: f64 = 6000.0;
@@ -289,6 +293,9 @@ fn main() {
         ("letters, 2 um", letters()),
         ("zigzag", zigzag()),
     ];
+    if let Some(sources) = std::env::var_os("LINUXCNC") {
+        return linuxcnc::beside(sources.as_ref(), &contours, &machine);
+    }
     print!("{:<20} {:>6} {:>8}", "contour", "lines", "way/feed");
     MODES.iter().for_each(|mode| print!(" {mode:>12}"));
     println!(" {:>14}", "P0.01, 3 dec.");
