@@ -130,6 +130,8 @@ static void read_words(Program *program, const char *text, int line, Point *at)
         else if (letter == 'F') program->feed = value / 60.0;
         else if (letter == 'G' && (value == 20 || value == 91 || value == 93 || value == 95 || value == 2 || value == 3))
             fail("%s:%d: G%g: only lines, in mm, absolute, mm/min", program->name, line, value);
+        else if (letter == 'G' && value == 0 && program->points.count)
+            fail("%s:%d: G0: only the way to the first point may be a rapid", program->name, line);
         else if (!strchr("GMPQN", letter)) fail("%s:%d: %c is unknown here", program->name, line, letter);
     }
     if (!moves) return;
