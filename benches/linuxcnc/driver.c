@@ -7,8 +7,8 @@
  * that is under the GPL, is never distributed, and is no part of this project.
  *
  * What stands around the planner in LinuxCNC is done here as it does it:
- * - Lines are joined as G64 Q asks, in `Naive CAM` of its manual: as long as all points left out lie within Q of
- *   the straight line, a hundred at most.
+ * - Lines are joined as G64 Q asks: as long as all points left out lie within Q of the straight line, a
+ *   hundred at most.
  * - A line is as fast as its feed and the axes permit; its acceleration is what the axes permit.
  * - The queue is kept full, which a slow computer would not always do.
  * - The planner is asked every millisecond. Its positions pass the spline that stands before the joints
@@ -34,8 +34,8 @@ enum { AXES = 3, JOINED_MOST = 100, QUEUE = DEFAULT_TC_QUEUE_SIZE, EMPTY_CYCLES 
 static const double CYCLE_S = 0.001;
 /* No program takes longer, s. */
 static const double LONGEST_S = 3600.0;
-/* Way of the path in which the foot of the next position is sought, mm; how far from the end the last may be; by
- * how much a later foot is nearer. */
+/* Way of the path in which the foot of the next position is sought, mm; how far from the end the last may
+ * be; by how much a later foot is nearer. */
 static const double AHEAD_MM = 1.0, END_MM = 0.1, NOISE_MM = 1e-9;
 
 typedef struct { double at[AXES]; } Point;
@@ -116,6 +116,12 @@ static double aside(Point point, Point from, Point to, double *share)
 
 /* ---- programs ---- */
 
+/* Whether a G code asks for arcs, inches, steps from place to place, or another kind of feed. */
+static int is_other(double g)
+{
+    return g == 2 || g == 3 || g == 20 || g == 91 || g == 93 || g == 95;
+}
+
 /* Reads a line of words G, X, Y, Z, F and others that say what holds here anyway. */
 static void read_words(Program *program, const char *text, int line, Point *at)
 {
@@ -128,7 +134,7 @@ static void read_words(Program *program, const char *text, int line, Point *at)
         c = end;
         if (letter >= 'X' && letter <= 'Z') { at->at[letter - 'X'] = value; moves = 1; }
         else if (letter == 'F') program->feed = value / 60.0;
-        else if (letter == 'G' && (value == 20 || value == 91 || value == 93 || value == 95 || value == 2 || value == 3))
+        else if (letter == 'G' && is_other(value))
             fail("%s:%d: G%g: only lines, in mm, absolute, mm/min", program->name, line, value);
         else if (letter == 'G' && value == 0 && program->points.count)
             fail("%s:%d: G0: only the way to the first point may be a rapid", program->name, line);
@@ -243,7 +249,8 @@ static void hand(TP_STRUCT *planner, const Program *program, Point from, Point t
     struct state_tag_t tag;
     memset(&tag, 0, sizeof tag);
     tpSetId(planner, (int)number);
-    int said = tpAddLine(planner, pose(to), EMC_MOTION_TYPE_FEED, fmin(v, program->feed), v, a, FS_ENABLED, 0, -1, tag);
+    double feed = fmin(v, program->feed);
+    int said = tpAddLine(planner, pose(to), EMC_MOTION_TYPE_FEED, feed, v, a, FS_ENABLED, 0, -1, tag);
     if (said < 0) fail("%s: the planner refuses line %zu with %d", program->name, number, said);
 }
 

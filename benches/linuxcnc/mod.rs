@@ -1,5 +1,5 @@
 //! LinuxCNC's own trajectory planner over the same contours, from sources that the user has: `run` compiles
-//! them with `driver.c`. In: contours, the machine. Out: a table. The programs stay in a folder that it names.
+//! them with `driver.c`. In: contours, the machine. Out: a table, and the programs in a folder that it names.
 
 use std::fmt::Write as _;
 use std::fs;
