@@ -8,10 +8,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use protocol::{Axis, Code, Feed, Item, SpindleSpeed};
+use protocol::{Code, Feed, Item, SpindleSpeed};
 use rig::{
     observe::{Observer, ResumedReport},
-    resume::{Changed, Plan, Stands},
+    resume::{Changed, Place, Plan, Stands},
 };
 use serde_json::{Value, json};
 use sim_plant::{Plant, Scenario};
@@ -91,7 +91,7 @@ impl Resumed {
         }
         let _ = writeln!(text, "stands    {}", stands(self.plan.stands));
         for item in &self.plan.way {
-            let _ = writeln!(text, "way       {}", moved(item));
+            let _ = writeln!(text, "way       {}", self.moved(item));
         }
         if let Some(change) = self.change() {
             let _ = writeln!(text, "tool      {change}");
@@ -179,7 +179,7 @@ impl Resumed {
             "known": self.left.known.as_ref().map(|(record, state)| journal::as_json(*record, state)),
             "not_known": self.unknown(),
             "stands": stands(self.plan.stands),
-            "way": way.iter().map(moved).collect::<Vec<String>>(),
+            "way": way.iter().map(|item| self.moved(item)).collect::<Vec<String>>(),
             "line": line,
             "pass": pass,
             "passes_done": modal.passes,
@@ -187,6 +187,25 @@ impl Resumed {
             "tool": modal.tool,
             "tool_changed_mm": self.plan.changed.map(|changed| changed.by_mm),
         })
+    }
+
+    /// A move in words, in coordinates of the machine.
+    fn moved(&self, item: &Item) -> String {
+        let (target, feed, how) = match &item.code {
+            Code::Line { target, feed } => (target, *feed, "to"),
+            Code::Arc { arc, feed } => (&arc.target, *feed, "back on the arc to"),
+            Code::Curve { curve, feed } => (&curve.target, *feed, "along the curve to"),
+            _ => return String::new(),
+        };
+        let machine = &self.left.recorded.machine;
+        let place = Place::of(machine, target);
+        let radius = if place.y_mm.is_none() { " (X a radius)" } else { "" };
+        let feed = match feed {
+            Feed::Rapid => "rapid".into(),
+            Feed::PerMinute(feed) => format!("{feed} mm/min"),
+            Feed::PerRevolution(feed) => format!("{feed} mm/rev"),
+        };
+        format!("{how} {place} mm of the machine{radius}, {feed}")
     }
 
     /// Keeps in the folder of the new run all that is needed to make the one before again.
@@ -220,23 +239,7 @@ fn stands(stands: Stands) -> String {
         Stands::InPass(pass) => format!("the tool, where pass {pass} leads it"),
         Stands::OnRapid(line) => format!("the tool, on the rapid of line {line}"),
         Stands::OnContour(line) => format!("the tool, on the contour, in line {line}"),
+        Stands::Above => "the tool, over the part".into(),
         Stands::AtRest => "the tool, where the program leaves it".into(),
     }
-}
-
-/// A move in words, in coordinates of the machine.
-fn moved(item: &Item) -> String {
-    let (target, feed, how) = match &item.code {
-        Code::Line { target, feed } => (target, *feed, "to"),
-        Code::Arc { arc, feed } => (&arc.target, *feed, "back on the arc to"),
-        Code::Curve { curve, feed } => (&curve.target, *feed, "along the curve to"),
-        _ => return String::new(),
-    };
-    let [x, z] = [Axis::X, Axis::Z].map(|axis| target[axis.index()].mm());
-    let feed = match feed {
-        Feed::Rapid => "rapid".into(),
-        Feed::PerMinute(feed) => format!("{feed} mm/min"),
-        Feed::PerRevolution(feed) => format!("{feed} mm/rev"),
-    };
-    format!("{how} X {x:.3} Z {z:.3} mm of the machine (X a radius), {feed}")
 }

@@ -10,22 +10,24 @@
 //! | everything before is read and not executed | what is in force follows from the program, not from a guess |
 //! | behind a change of the tool everything before it is done | the tool stands there, and another one does not go over what it did |
 //! | the way there begins where the tool is *measured*: straight out of a groove, back on a contour (`route`) | the tool has been there |
+//! | on a mill it begins with the move that was broken off, and the tool goes up, over the place and down (`lifted`) | where a tool stands all above it is free |
 //!
 //! Outputs, tool and path are as the program has them there before anything moves; spindle and coolant go on
 //! where the tool has come to the start.
 
+mod lifted;
 mod reader;
 mod refusal;
 mod retooled;
 mod route;
 
 use machine::{Kinematics, Machine};
-use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, Set};
+use protocol::{Code, Feed, Item, PathMode, PerAxis, Position, Set};
 
 use crate::journal::State;
 pub use reader::Modal;
 use reader::{apart_mm, end};
-pub use refusal::Refusal;
+pub use refusal::{Place, Refusal};
 pub use retooled::Changed;
 use route::{ON_MM, Step, in_another, last_change, moves, perhaps_in, stands_on, way_back, way_out};
 
@@ -47,8 +49,10 @@ pub struct Plan {
     pub way: Vec<Item>,
     /// What is executed before the rest of the program: `way` is part of it.
     pub before: Vec<Item>,
-    /// The tool that is put in behind `way`, but for its last move, if it is another one.
+    /// The tool that is put in behind `way`, but for its last moves, if it is another one.
     pub changed: Option<Changed>,
+    /// The way leads up, over the place and down to it.
+    lifts: bool,
 }
 
 /// Where the tool of a run that was broken off stands.
@@ -60,6 +64,8 @@ pub enum Stands {
     OnRapid(u32),
     /// On a contour, in a line.
     OnContour(u32),
+    /// Over the part, on a way that led over it.
+    Above,
     /// Where the program has left it: nothing moves any more.
     AtRest,
 }
@@ -75,9 +81,11 @@ pub fn plan<I: Iterator<Item = Item>>(
     state: &State,
     here: &PerAxis<Position>,
 ) -> Result<Plan, Refusal> {
-    if machine.general.kinematics != Kinematics::Lathe {
-        return Err(Refusal::NoLathe);
-    }
+    let attempt = match machine.general.kinematics {
+        Kinematics::Lathe => attempt,
+        Kinematics::Mill => lifted::attempt,
+        Kinematics::Positioner => return Err(Refusal::Positioner),
+    };
     if state.is_complete() {
         return Err(Refusal::Complete);
     }
@@ -117,7 +125,7 @@ fn attempt(
     if let Some(Item { line, .. }) = to {
         return Err(Refusal::Work { line });
     }
-    let mut last = stood.ok_or_else(|| elsewhere(&steps[first], here))?;
+    let mut last = stood.ok_or_else(|| elsewhere(machine, &steps[first], here))?;
     if *state == State::nothing()
         && let Some(tools) = in_another(begin.tool, &steps, last, here)
     {
@@ -178,6 +186,7 @@ fn find(
     let mut modal = Modal::new(machine);
     // The contour in hand: what was in force before its first feed, and all since.
     let mut contour: Option<(Modal, Vec<Step>)> = None;
+    let goes_back = machine.general.kinematics == Kinematics::Lathe;
     loop {
         let item = program.next().ok_or(Refusal::OtherProgram)?;
         if is_not_done(&modal, &item, state, last_move) {
@@ -195,7 +204,7 @@ fn find(
         }
         match item.code {
             Code::Line { feed: Feed::Rapid, .. } | Code::Pass(_) => contour = None,
-            _ if item.is_move() || contour.is_some() => {
+            _ if goes_back && (item.is_move() || contour.is_some()) => {
                 let (_, steps) = contour.get_or_insert_with(|| (modal.clone(), Vec::new()));
                 steps.push((item, modal.at));
                 if steps.len() > MOST {
@@ -265,10 +274,9 @@ fn is_work(item: &Item) -> bool {
     matches!(item.code, Code::Work(_))
 }
 
-fn elsewhere((item, from): &Step, here: &PerAxis<Position>) -> Refusal {
-    let [[x_mm, z_mm], [to_x_mm, to_z_mm]] =
-        [here, from].map(|place| [Axis::X, Axis::Z].map(|axis| place[axis.index()].mm()));
-    Refusal::Elsewhere { x_mm, z_mm, line: item.line, to_x_mm, to_z_mm }
+fn elsewhere(machine: &Machine, (item, from): &Step, here: &PerAxis<Position>) -> Refusal {
+    let [here, begins] = [here, from].map(|place| Place::of(machine, place));
+    Refusal::Elsewhere { here, line: item.line, begins }
 }
 
 impl Plan {
@@ -289,25 +297,33 @@ impl Plan {
         let next = steps.iter().map(|step| &step.0).find(|item| moves(item)).unwrap_or(&first);
         let pass = if let Code::Pass(pass) = next.code { Some(pass.pass) } else { None };
         let line = next.line;
-        let before = before(&modal, &way, None, first.line);
-        Plan { modal, line, pass, stands, way, before, changed: None }
+        let before = before(&modal, &way, &[], false, first.line);
+        Plan { modal, line, pass, stands, way, before, changed: None, lifts: false }
     }
 }
 
-/// What is executed before the rest of a program. A tool that is changed behind the way there `arrives` by a
-/// move of its own.
-fn before(modal: &Modal, way: &[Item], arrives: Option<Item>, line: u32) -> Vec<Item> {
+/// What is executed before the rest of a program. A tool that is changed behind the way there `arrives` by
+/// moves of its own. Spindle and coolant go on before what goes by feed: down to the part of a mill.
+fn before(modal: &Modal, way: &[Item], arrives: &[Item], lifts: bool, line: u32) -> Vec<Item> {
     let item = |code| Item { line, code };
     let tool = || modal.tool.map(|number| item(Code::Tool { number }));
+    let (mut way, mut arrives, mut down) = (way.to_vec(), arrives.to_vec(), None);
+    let is_new = !arrives.is_empty();
+    if lifts {
+        down = lifted::down(if is_new { &mut arrives } else { &mut way });
+    }
     let mut before = vec![item(Code::PathMode(PathMode::ExactStop))];
     // Until another tool is put in, the one that was is in place.
-    before.extend(tool().filter(|_| arrives.is_none()));
+    before.extend(tool().filter(|_| !is_new));
     let output = |(number, set): &(u8, Set)| Code::Output { number: *number, set: *set, in_step: false };
     before.extend(modal.outputs.iter().map(output).map(item));
     before.extend(way);
-    before.extend(arrives.into_iter().flat_map(|arrives| tool().into_iter().chain([arrives])));
+    before.extend(tool().filter(|_| is_new));
+    before.extend(arrives);
     before.extend(modal.spindle.into_iter().chain(modal.coolant).map(item));
+    before.extend(down);
     before.push(item(Code::PathMode(modal.path)));
+    before.extend(modal.variation.map(item));
     before.extend(modal.formulas.values().copied().map(item));
     before
 }

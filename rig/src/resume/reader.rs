@@ -25,6 +25,8 @@ pub struct Modal {
     pub coolant: Option<Code>,
     /// See there.
     pub path: PathMode,
+    /// How the speed of the spindle is varied, as the last item that said so.
+    pub variation: Option<Code>,
     /// Formulas, by their number.
     pub formulas: BTreeMap<u8, Code>,
     /// Outputs that the program has set, with their numbers, in the order in which they got what they are.
@@ -43,6 +45,7 @@ impl Modal {
             spindle: None,
             coolant: None,
             path: PathMode::Blend { tolerance_mm: machine.path.tolerance_mm, merge_mm: 0.0 },
+            variation: None,
             formulas: BTreeMap::new(),
             outputs: Vec::new(),
         }
@@ -57,6 +60,7 @@ impl Modal {
             Code::Spindle { .. } => self.spindle = Some(item.code),
             Code::Coolant { .. } => self.coolant = Some(item.code),
             Code::PathMode(mode) => self.path = mode,
+            Code::Variation(_) => self.variation = Some(item.code),
             Code::Formula { slot, .. } => {
                 self.formulas.insert(slot, item.code);
             }
@@ -83,8 +87,11 @@ pub(super) fn end(item: &Item, here: &PerAxis<Position>) -> PerAxis<Position> {
     }
 }
 
-/// How far apart two places are in the plane of a lathe, mm.
+/// The axes that carry a tool along a path.
+pub(super) const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+/// How far apart two places are, mm.
 pub(super) fn apart_mm(one: &PerAxis<Position>, other: &PerAxis<Position>) -> f64 {
-    let [x, z] = [Axis::X, Axis::Z].map(|axis| one[axis.index()].mm_from(other[axis.index()]));
-    libm::hypot(x, z)
+    let [x, y, z] = LINEAR.map(|axis| one[axis.index()].mm_from(other[axis.index()]));
+    libm::hypot(libm::hypot(x, y), z)
 }

@@ -1,5 +1,8 @@
 //! Why a program is not gone on with, with the place and what to do instead. Places are in mm of the machine.
 
+use machine::{Kinematics, Machine};
+use protocol::{Axis, PerAxis, Position};
+
 use super::MOST;
 
 /// Why a program is not gone on with.
@@ -8,9 +11,9 @@ pub enum Refusal {
     /// Nothing is left of it.
     #[error("its program came to its end: there is nothing to go on with")]
     Complete,
-    /// The kinematics are not those of a lathe.
-    #[error("only a lathe can go on with a program: start it again, or a part of it as a program of its own")]
-    NoLathe,
+    /// The kinematics are those of a positioner, which does nothing but jobs.
+    #[error("a positioner cannot go on with a program: start its job again")]
+    Positioner,
     /// It was broken off in a work.
     #[error(
         "it was broken off at the contour, surface or seam of line {line}, which can only be begun anew: start that job \
@@ -44,20 +47,16 @@ pub enum Refusal {
     },
     /// The axes stand where the program does not lead.
     #[error(
-        "the axes stand at X {x_mm:.3} Z {z_mm:.3} mm, where the program does not lead from line {line} on: bring the tool \
-         by hand to where it begins there, X {to_x_mm:.3} Z {to_z_mm:.3} mm of the machine"
+        "the axes stand at {here} mm, where the program does not lead from line {line} on: bring the tool by hand to where \
+         it begins there, {begins} mm of the machine"
     )]
     Elsewhere {
-        /// Measured X.
-        x_mm: f64,
-        /// Measured Z.
-        z_mm: f64,
+        /// Where they are measured.
+        here: Place,
         /// Line at which the program would begin.
         line: u32,
         /// Where it begins there.
-        to_x_mm: f64,
-        /// See there.
-        to_z_mm: f64,
+        begins: Place,
     },
     /// The tool table makes another program of it.
     #[error(
@@ -110,6 +109,35 @@ pub enum Refusal {
         /// Line of its first move.
         line: u32,
     },
+}
+
+/// A place in coordinates of the machine, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// X: of a lathe a radius.
+    pub x_mm: f64,
+    /// Y, which a lathe does not have.
+    pub y_mm: Option<f64>,
+    /// Z.
+    pub z_mm: f64,
+}
+
+impl Place {
+    /// Where the axes of a machine are.
+    pub fn of(machine: &Machine, axes: &PerAxis<Position>) -> Place {
+        let [x_mm, y_mm, z_mm] = [Axis::X, Axis::Y, Axis::Z].map(|axis| axes[axis.index()].mm());
+        let is_lathe = machine.general.kinematics == Kinematics::Lathe;
+        Place { x_mm, y_mm: (!is_lathe).then_some(y_mm), z_mm }
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Place { x_mm, y_mm, z_mm } = self;
+        write!(f, "X {x_mm:.3} ")?;
+        y_mm.iter().try_for_each(|y_mm| write!(f, "Y {y_mm:.3} "))?;
+        write!(f, "Z {z_mm:.3}")
+    }
 }
 
 fn named(tool: Option<u32>) -> String {

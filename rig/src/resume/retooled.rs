@@ -11,7 +11,9 @@ use std::collections::BTreeSet;
 use machine::Machine;
 use protocol::{Axis, Code, Curve, Feed, Item, PerAxis, Position, ThreadPass};
 
-use super::{Plan, Refusal, Stands, before, reader::Modal};
+use super::{Plan, Refusal, Stands, before, lifted::arrival, reader::Modal};
+
+const Y: usize = Axis::Y as usize;
 
 /// A tool may be longer or shorter by so much, mm: further nobody knows what stands between the old and the
 /// new one.
@@ -72,12 +74,20 @@ impl Plan {
         let in_passes_mm = passes.unwrap_or(by_mm);
         let target = modal.at;
         let line = self.line;
-        let arrives = (target != self.modal.at && self.stands != Stands::AtRest)
-            .then_some(Item { line, code: Code::Line { target, feed: Feed::Rapid } });
+        if (self.modal.at[Y].mm_from(target[Y])).abs() > SAME {
+            return Err(Refusal::OtherPath { line });
+        }
+        let mut way = self.way;
+        let arrives = match self.stands {
+            _ if target == self.modal.at => Vec::new(),
+            Stands::AtRest => Vec::new(),
+            _ if self.lifts => arrival(machine, &mut way, self.modal.at, target),
+            _ => vec![Item { line, code: Code::Line { target, feed: Feed::Rapid } }],
+        };
         let changed = Some(Changed { by_mm, in_passes_mm });
         let first = self.before.first().map_or(line, |item| item.line);
-        let before = before(&modal, &self.way, arrives, first);
-        let way = self.way.into_iter().chain(arrives).collect();
+        let before = before(&modal, &way, &arrives, self.lifts, first);
+        way.extend(arrives);
         Ok(Plan { modal, way, before, changed, ..self })
     }
 }

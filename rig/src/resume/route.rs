@@ -13,7 +13,7 @@
 
 use protocol::{Arc, Axis, Code, Curve, Feed, Item, PerAxis, Position, ThreadPass};
 
-use super::reader::apart_mm;
+use super::reader::{LINEAR, apart_mm};
 
 /// An axis that was braked stands so far beside its way at most, mm: on a rapid, where axes brake from speeds
 /// of their own, and on a feed.
@@ -21,13 +21,13 @@ const BESIDE_RAPID_MM: f64 = 6.0;
 const BESIDE_FEED_MM: f64 = 0.5;
 /// Nearer than this it is on it, mm; and while it is led over what it cuts.
 pub(super) const ON_MM: f64 = 0.1;
-const LED_MM: f64 = 0.02;
+pub(super) const LED_MM: f64 = 0.02;
 /// So many moves are next: what was in hand when the journal was written, and what has come since.
 const NEXT: usize = 3;
 /// How far an axis goes beyond the box of a pass while it brakes, along the thread and across it, mm.
 const BEYOND_MM: [f64; 2] = [8.0, 0.5];
 /// Back over what was cut at this feed, in mm/min.
-const BACK: Feed = Feed::PerMinute(400.0);
+pub(super) const BACK: Feed = Feed::PerMinute(400.0);
 /// So many lines stand for a piece of a curve.
 const PLACES: u32 = 32;
 /// An arc shorter than this is left on a line: its angle would not be known, mm.
@@ -111,7 +111,7 @@ pub(super) fn in_another(
 }
 
 /// How far a tool that stands here is off a step, and how far it may be if it was braked there, mm.
-fn off((item, from): &Step, here: &PerAxis<Position>) -> Option<[f64; 2]> {
+pub(super) fn off((item, from): &Step, here: &PerAxis<Position>) -> Option<[f64; 2]> {
     match &item.code {
         Code::Line { target, feed: Feed::Rapid } => {
             Some([beside_line_mm(from, target, here), BESIDE_RAPID_MM])
@@ -133,16 +133,34 @@ fn across_and_along(pass: &ThreadPass) -> [Axis; 2] {
     [across, if across == Axis::X { Axis::Z } else { Axis::X }]
 }
 
+/// Whether a tool stands in the hole of a tap, or where it starts.
+pub(super) fn is_in_hole(pass: &ThreadPass, here: &PerAxis<Position>) -> bool {
+    [Axis::X, Axis::Y, Axis::Z].into_iter().all(|axis| {
+        let (law, mm) = (pass.axis(axis), here[axis.index()].mm());
+        let start_mm = law.start.mm();
+        let turn_mm = start_mm + law.lead_mm * pass.done_deg() / 360.0;
+        let ends = [start_mm, start_mm + law.stroke_mm, law.end.mm(), turn_mm];
+        let [low, high] = lowest_and_highest(&ends);
+        (low - BEYOND_MM[1]..=high + BEYOND_MM[1]).contains(&mm)
+    })
+}
+
+fn lowest_and_highest(ends: &[f64]) -> [f64; 2] {
+    let beyond = |[low, high]: [f64; 2], end: &f64| [low.min(*end), high.max(*end)];
+    ends.iter().fold([f64::INFINITY, f64::NEG_INFINITY], beyond)
+}
+
 /// Whether a tool stands where a pass leads it.
 fn is_in_box(pass: &ThreadPass, here: &PerAxis<Position>) -> bool {
+    if pass.returns() {
+        return is_in_hole(pass, here);
+    }
     let [across, along] = across_and_along(pass);
     [(along, BEYOND_MM[0]), (across, BEYOND_MM[1])].into_iter().all(|(axis, beyond_mm)| {
         let (law, mm) = (pass.axis(axis), here[axis.index()].mm());
         let start_mm = law.start.mm();
         let mut ends = vec![start_mm, start_mm + law.stroke_mm, law.end.mm()];
-        if pass.returns() {
-            ends.push(start_mm + law.lead_mm * pass.done_deg() / 360.0);
-        } else if axis == across {
+        if axis == across {
             let lead = pass.axis(along);
             let cone_mm = if lead.lead_mm == 0.0 {
                 0.0
@@ -152,40 +170,48 @@ fn is_in_box(pass: &ThreadPass, here: &PerAxis<Position>) -> bool {
             ends.extend([pass.out.clear.mm(), start_mm + law.stroke_mm + law.unload_mm]);
             ends.push(start_mm + law.stroke_mm + cone_mm);
         }
-        let [low, high] = ends
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], end| [low.min(*end), high.max(*end)]);
+        let [low, high] = lowest_and_highest(&ends);
         (low - beyond_mm..=high + beyond_mm).contains(&mm)
     })
 }
 
 /// How far a place lies beside a straight way, mm.
 fn beside_line_mm(from: &PerAxis<Position>, to: &PerAxis<Position>, here: &PerAxis<Position>) -> f64 {
-    let seen = |place: &PerAxis<Position>| {
-        [Axis::X, Axis::Z].map(|axis| place[axis.index()].mm_from(from[axis.index()]))
-    };
-    let ([dx, dz], [px, pz]) = (seen(to), seen(here));
-    let length = dx * dx + dz * dz;
-    let share = if length > 0.0 { ((px * dx + pz * dz) / length).clamp(0.0, 1.0) } else { 0.0 };
-    libm::hypot(px - share * dx, pz - share * dz)
+    let seen = |place: &PerAxis<Position>| LINEAR.map(|axis| place[axis.index()].mm_from(from[axis.index()]));
+    let (along, place) = (seen(to), seen(here));
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let length = dot(along, along);
+    let share = if length > 0.0 { (dot(place, along) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let off: [f64; 3] = std::array::from_fn(|i| place[i] - share * along[i]);
+    dot(off, off).sqrt()
 }
 
-/// How far a place lies beside an arc: as far as its distance from the centre, where it is within the arc.
+/// How far a place lies beside an arc or a helix: as far as its distance from the centre and its height over
+/// the plane, where it is within it; else as far as from its ends, mm.
 fn beside_arc_mm(from: &PerAxis<Position>, arc: &Arc, here: &PerAxis<Position>) -> f64 {
-    let [first, second] = arc.plane.axes();
+    let plane = arc.plane.axes();
+    let [first, second] = plane;
+    let [rise] = LINEAR.into_iter().filter(|axis| !plane.contains(axis)).collect::<Vec<_>>()[..] else {
+        return f64::INFINITY;
+    };
     let seen = |place: &PerAxis<Position>| {
         let a = place[first.index()].mm_from(arc.center[0]);
         let b = place[second.index()].mm_from(arc.center[1]);
-        (libm::hypot(a, b), libm::atan2(b, a))
+        (libm::hypot(a, b), libm::atan2(b, a), place[rise.index()].mm_from(from[rise.index()]))
     };
-    let ((radius, start), (_, stop), (away, angle)) = (seen(from), seen(&arc.target), seen(here));
+    let ((radius, start, _), (_, stop, to), (away, angle, high)) =
+        (seen(from), seen(&arc.target), seen(here));
     let sign = f64::from(arc.turns.signum());
     let turned = |to: f64| (sign * (to - start)).rem_euclid(core::f64::consts::TAU);
-    let whole = apart_mm(from, &arc.target) < 1e-6;
-    if whole || turned(angle) <= turned(stop) {
-        return (away - radius).abs();
-    }
-    apart_mm(from, here).min(apart_mm(&arc.target, here))
+    let between = |axis: Axis| arc.target[axis.index()].mm_from(from[axis.index()]);
+    let whole = libm::hypot(between(first), between(second)) < 1e-6;
+    let more = core::f64::consts::TAU * f64::from(arc.turns.unsigned_abs() - 1);
+    let sweep = more + if whole { core::f64::consts::TAU } else { turned(stop) };
+    let ends = apart_mm(from, here).min(apart_mm(&arc.target, here));
+    let each =
+        (0..arc.turns.unsigned_abs()).map(|turn| turned(angle) + core::f64::consts::TAU * f64::from(turn));
+    let beside = |at: f64| libm::hypot(away - radius, high - to * at / sweep);
+    each.filter(|at| *at <= sweep).map(beside).fold(ends, f64::min)
 }
 
 /// Places on a piece of a curve, so near to each other that lines between them are the piece.
@@ -206,14 +232,14 @@ fn nearest(places: &[PerAxis<Position>], here: &PerAxis<Position>) -> Option<(us
 }
 
 /// A way that is being found.
-struct Way {
-    items: Vec<Item>,
-    at: PerAxis<Position>,
-    line: u32,
+pub(super) struct Way {
+    pub(super) items: Vec<Item>,
+    pub(super) at: PerAxis<Position>,
+    pub(super) line: u32,
 }
 
 impl Way {
-    fn go(&mut self, target: PerAxis<Position>, feed: Feed) {
+    pub(super) fn go(&mut self, target: PerAxis<Position>, feed: Feed) {
         if target != self.at {
             self.items.push(Item { line: self.line, code: Code::Line { target, feed } });
             self.at = target;

@@ -16,6 +16,7 @@ mod leaving;
 mod led;
 mod left;
 mod machine_code;
+mod milled;
 mod moments;
 mod operator;
 mod orders;

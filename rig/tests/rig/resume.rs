@@ -183,7 +183,7 @@ fn a_run_that_is_cut_in_any_cycle_is_finished_in_its_groove() {
             Stands::InPass(_) => 0,
             Stands::OnRapid(_) => 1,
             Stands::OnContour(_) => 2,
-            Stands::AtRest => 3,
+            Stands::Above | Stands::AtRest => 3,
         }] += 1;
     }
     println!(
@@ -233,8 +233,8 @@ fn what_does_not_fit_is_refused_by_its_name() {
     assert_eq!(refused(&machine, inconsistent, home), Refusal::OtherProgram);
     let other = State { passes: 1, open: 7, step: 1 << 10, ..nothing };
     assert_eq!(refused(&machine, other, home), Refusal::OtherPass { open: 7, next: 2 });
-    let mill = Machine::from_toml(machine::SMALL_MILL).expect("a mill");
-    assert_eq!(refused(&mill, nothing, home), Refusal::NoLathe);
+    let positioner = Machine::from_toml(machine::POSITIONER).expect("a positioner");
+    assert_eq!(refused(&positioner, nothing, home), Refusal::Positioner);
     let tap = compiled(&machine, "G18 G21 G90 G8 G94 G97\nM3 S300\nG0 X0 Z5\nG33.1 Z-12 K1.5\nM5\nM2\n");
     let mut hole = [protocol::Position(0); protocol::units::AXES];
     hole[Axis::Z.index()] = protocol::Position::from_mm(-7.0);
