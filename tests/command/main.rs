@@ -23,6 +23,7 @@ mod gauge;
 mod jobs;
 mod journal;
 mod memory;
+mod milled;
 mod offsets;
 mod pace;
 mod panel;

@@ -284,3 +284,43 @@ fn a_mill_is_refused_by_name_where_it_cannot_go_on() {
     let text = refused.to_string();
     assert!(text.contains("X -100.000 Y 0.000 Z -30.000") && text.contains("by hand"), "{text}");
 }
+
+/// A tap comes out of its hole with the spindle alone; over the hole it is begun anew.
+#[test]
+fn a_tap_that_stands_in_its_hole_is_refused_and_one_over_it_goes_on() {
+    let machine = mill();
+    let text = "G17 G21 G90 G94 G98\nS600 M3\nF600 G84 X10 Y5 Z10 R25\nX20\nG80\nM5\nM2\n";
+    let items = compiled(&machine, text);
+    let mut course = Vec::new();
+    let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 1).expect("a rig");
+    while rig.cycle(None, |record| {
+        let in_pass = record.axes.iter().any(|(_, status)| status.state().is_in_pass());
+        course.push((in_pass, slides(record)));
+    }) {}
+    let deep = |in_pass: bool, [_, _, z]: [f64; 3]| in_pass && z < 24.0;
+    let (mut random, mut refused) = (Seed::new(241), 0);
+    let cycles: Vec<u64> = (0..12).map(|_| random.within(1000..course.len() as u64 - 1000)).collect();
+    let first =
+        |such: &dyn Fn(bool, [f64; 3]) -> bool| course.iter().position(|(in_pass, at)| such(*in_pass, *at));
+    let in_hole = first(&deep).expect("it taps") as u64 + 200;
+    let over = first(&|in_pass, _| in_pass).expect("it taps") as u64;
+    for at in cycles.into_iter().chain([in_hole, over]) {
+        let (known, plant) = cut(&machine, &items, [1, at, 0], |_| {});
+        let (in_pass, place) = course[at as usize - 1];
+        match planned(&machine, &items, &known, &plant) {
+            Err(refusal) => {
+                assert!(matches!(refusal, Refusal::Tap { line: 3 | 4 }), "cycle {at}: {refusal}");
+                assert!(in_pass && place[2] < 25.0, "cycle {at}: {refusal} at {place:?}");
+                refused += 1;
+            }
+            Ok(plan) => {
+                assert!(!deep(in_pass, place), "cycle {at}: {:?} at {place:?}", plan.stands);
+                let mut observer = Observer::new(&machine, &items);
+                goes_on(&machine, &items, (&plan, plant), PATIENCE, |record| observer.cycle(record));
+                let seen = observer.finish();
+                assert_eq!(seen.outcome, Outcome::Completed, "cycle {at}: {:?}", seen.faults);
+            }
+        }
+    }
+    assert!(refused > 0);
+}
