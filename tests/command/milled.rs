@@ -1,5 +1,6 @@
-//! Runs of a mill whose processes are all killed in seeded cycles, gone on with by `run RUN_DIR --resume`: with the
-//! move that was broken off, from above; a tool that was changed comes down as deep as the one before.
+//! Runs of a mill whose processes are all killed in seeded cycles, gone on with by `run RUN_DIR --resume`:
+//! with the move that was broken off, from above; a tool that was changed comes down as deep as the one
+//! before.
 
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use crate::{resume::killed, shop::Place};
 const PROGRAM: &str = "G17 G21 G90 G94 G64 P0.01\nT1 M6 G43\nM3 S3000\nG0 X30 Y0\nG0 Z3\nG1 Z-2 F400\nG1 X-30 F900\nG1 Y20\nG1 X30\n\
     G3 X30 Y20 I-10 J0\nG0 Z5\nG98 G83 X-40 Y-30 Z-8 R2 Q3 F300\nG80\nG0 Z20\nM5\nT2 M6 G43\nM3 S4000\nM8\nG0 X-50 Y-40\nG0 Z3\n\
     G1 Z-1.5 F300\nG1 X50 F900\nG1 Z2\nG0 Z20\nM9\nM5\nM2\n";
-const KILLS: u64 = 8;
+const KILLS: u64 = 5;
 
 fn ready(place: &Place, z_mm: f64) -> String {
     place.write("mill.toml", machine::SMALL_MILL);

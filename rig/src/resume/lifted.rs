@@ -1,5 +1,5 @@
-//! How a program of a mill is gone on with. In: as in [`super::plan`]. Out: the plan; its way leads straight up,
-//! over the place and down to it.
+//! How a program of a mill is gone on with. In: as in [`super::plan`]. Out: the plan; its way leads straight
+//! up, over the place and down to it.
 //!
 //! | the tool stands | it goes |
 //! |---|---|

@@ -19,10 +19,10 @@ use testing::{Seed, count};
 use crate::stand::compiled;
 
 /// Cuts, unless `PITCHLOCK_CUTS` says otherwise.
-const CUTS: u64 = 24;
+const CUTS: u64 = 10;
 /// Tolerance of G64, what the axes follow behind, and the distance of the samples, mm.
 const NEAR_MM: f64 = 0.05;
-const SAMPLE_MM: f64 = 0.02;
+const SAMPLE_MM: f64 = 0.05;
 /// Far beyond the end of every program here, control cycles.
 const PATIENCE: u64 = 400_000;
 
@@ -54,8 +54,11 @@ struct Programmed {
     samples: Vec<([f64; 3], bool)>,
     /// Samples by where they lie from above.
     cells: BTreeMap<(i64, i64), Vec<usize>>,
+    looks: u64,
 }
 
+/// Every second cycle is looked at: at the highest feed the tool goes a thirtieth of a millimetre meanwhile.
+const EVERY: u64 = 2;
 const CELL_MM: f64 = 0.5;
 
 fn cell([x, y, _]: [f64; 3]) -> (i64, i64) {
@@ -65,7 +68,7 @@ fn cell([x, y, _]: [f64; 3]) -> (i64, i64) {
 impl Programmed {
     /// Of exact lines and arcs, from where the axes stand at first.
     fn new(machine: &Machine, items: &[Item]) -> Programmed {
-        let mut programmed = Programmed { samples: Vec::new(), cells: BTreeMap::new() };
+        let mut programmed = Programmed { samples: Vec::new(), cells: BTreeMap::new(), looks: 0 };
         let mut from = place(&machine.home());
         for item in items {
             let Some(target) = item.code.target() else { continue };
@@ -111,7 +114,8 @@ impl Programmed {
 
     /// The tool is here. How far it is off the path and off what is over the path, if it is in the part.
     fn cut(&mut self, at: [f64; 3]) -> Option<f64> {
-        if at[2] > 0.0 {
+        self.looks += 1;
+        if at[2] > 0.0 || !self.looks.is_multiple_of(EVERY) {
             return None;
         }
         let (x, y) = cell(at);
@@ -242,7 +246,7 @@ fn a_mill_that_is_cut_in_any_cycle_finishes_its_part_and_nothing_else() {
         }] += 1;
     }
     println!("on a rapid, on a contour, over the part, at rest: {stood:?}; {most_mm:.4} mm off at most");
-    assert!(stood[1] > 4, "{stood:?}");
+    assert!(stood[1] > 2, "{stood:?}");
 }
 
 /// The power goes again on the way up, over the part, and on the way down.
@@ -299,7 +303,7 @@ fn a_tap_that_stands_in_its_hole_is_refused_and_one_over_it_goes_on() {
     }) {}
     let deep = |in_pass: bool, [_, _, z]: [f64; 3]| in_pass && z < 24.0;
     let (mut random, mut refused) = (Seed::new(241), 0);
-    let cycles: Vec<u64> = (0..12).map(|_| random.within(1000..course.len() as u64 - 1000)).collect();
+    let cycles: Vec<u64> = (0..8).map(|_| random.within(1000..course.len() as u64 - 1000)).collect();
     let first =
         |such: &dyn Fn(bool, [f64; 3]) -> bool| course.iter().position(|(in_pass, at)| such(*in_pass, *at));
     let in_hole = first(&deep).expect("it taps") as u64 + 200;
