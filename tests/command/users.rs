@@ -5,7 +5,10 @@
 
 use std::{fs, os::unix::fs::PermissionsExt as _, process::Command};
 
-use crate::shop::{Answer, Place, can_be_private};
+use crate::{
+    endings::slow_machine,
+    shop::{Answer, Place, can_be_private},
+};
 
 const SHORT: &str = "G18 G21 G90 G94 G8\nG0 X50 Z90\nG1 X50.1 F3000\nM2\n";
 const VICTIM: u32 = 65_001;
@@ -201,4 +204,33 @@ fn a_run_is_closed_to_other_users() {
         assert!(!told.contains(word), "{word}: {told}");
     }
     assert!(told.contains("long 0"), "{told}");
+}
+
+/// Whoever may neither lock memory nor raise priorities is told so, by the doctor with the limits that are too
+/// low and by every process that wants them in real time; the machine runs all the same.
+#[test]
+fn a_user_who_may_lock_no_memory_and_raise_no_priority_is_told_and_runs() {
+    if !can_be_private("a_user_who_may_lock_no_memory_and_raise_no_priority_is_told_and_runs") {
+        return;
+    }
+    let place = place();
+    fs::write(place.at("v/slow.toml"), slow_machine()).expect("room");
+    let told = script(
+        &place,
+        "prlimit --pid $$ --memlock=65536:65536 --nice=0:0 || exit 9
+         victim ../pitchlock doctor; echo doctor $?
+         victim ../pitchlock run short.ngc --machine slow.toml --clock real --trace none --out r1 2>&1; ls r1
+         victim ../pitchlock run short.ngc --machine slow.toml --trace none --out r2 >r2.log 2>&1; echo r2 $?; cat r2.log",
+    );
+    let (doctor, runs) = told.split_once("doctor 0").unwrap_or_else(|| panic!("{told}"));
+    for limit in ["locking memory (ulimit -l)", "raising the priority (ulimit -e)"] {
+        let note = doctor.lines().find(|line| line.contains(limit)).unwrap_or_else(|| panic!("{doctor}"));
+        assert!(note.starts_with("note") && note.contains("real time needs `ulimit"), "{note}");
+    }
+    let (real, lock_step) = runs.split_once("r2 0").unwrap_or_else(|| panic!("{runs}"));
+    for warning in ["memory is not locked", "more answers will be late"] {
+        assert!(real.contains(warning), "{warning}: {real}");
+        assert!(!lock_step.contains(warning), "{warning}: {lock_step}");
+    }
+    assert!(real.contains("summary.json"), "{real}");
 }
