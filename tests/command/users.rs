@@ -206,8 +206,8 @@ fn a_run_is_closed_to_other_users() {
     assert!(told.contains("long 0"), "{told}");
 }
 
-/// Whoever may neither lock memory nor raise priorities is told so, by the doctor with the limits that are too
-/// low and by every process that wants them in real time; the machine runs all the same.
+/// Whoever may neither lock memory nor raise priorities is told so, by the doctor with the limits that are
+/// too low and by every process that wants them in real time; the machine runs all the same.
 #[test]
 fn a_user_who_may_lock_no_memory_and_raise_no_priority_is_told_and_runs() {
     if !can_be_private("a_user_who_may_lock_no_memory_and_raise_no_priority_is_told_and_runs") {
