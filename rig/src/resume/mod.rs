@@ -151,8 +151,10 @@ fn attempt(
         _ => Stands::OnContour(line),
     };
     let groove = perhaps_in(&steps[last..], here);
+    let waits = steps[..first].iter().any(|step| is_wait(&step.0)) && apart_mm(here, &steps[first].1) < ON_MM;
     if let Code::Line { target, feed: Feed::Rapid } = code
         && first == last
+        && !waits
     {
         // Forward, on the way on which it was.
         let way = groove.map_or_else(|| vec![steps[last].0], |pass| way_out(&pass, line, here, target));
@@ -268,6 +270,11 @@ fn look_ahead(steps: &mut Vec<Step>, program: &mut impl Iterator<Item = Item>) {
         let Some(item) = program.next() else { break };
         steps.push((item, at));
     }
+}
+
+/// Whether somebody may still wait for the end of this where the tool stands before the next move.
+fn is_wait(item: &Item) -> bool {
+    matches!(item.code, Code::Dwell { .. } | Code::Await { .. } | Code::Pause)
 }
 
 fn is_work(item: &Item) -> bool {

@@ -266,3 +266,43 @@ fn what_another_tool_did_is_not_gone_back_over() {
     let Code::Line { target, .. } = way.code else { panic!("{way:?}") };
     assert_eq!(target[Axis::X.index()].mm(), 11.0);
 }
+
+/// A dwell, a pause or a wait for an input that was broken off is not left out for the rapid behind it.
+#[test]
+fn what_was_waited_for_is_waited_for_again() {
+    let machine = Machine::default();
+    let text = "G18 G21 G90 G94\nG0 X20 Z20\nG4 P2\nG0 X10 Z10\nG4 P1\nG1 X9 F100\nM2\n";
+    let items = compiled(&machine, text);
+    let (cycles, _) = borders(&machine, &items, 1);
+    let mut waited = 0;
+    for at in (100..cycles).step_by(250) {
+        let cut = cut(&machine, &items, [1, at], 0);
+        let (line, moment) = (cut.known.line, cut.moment.clone());
+        let Ok(plan) = planned(&machine, &items, &cut) else { continue };
+        let left: Vec<u32> = rest(&plan, &items)
+            .iter()
+            .filter(|item| matches!(item.code, Code::Dwell { .. }))
+            .map(|item| item.line)
+            .collect();
+        if matches!(line, 3 | 5) {
+            assert!(left.contains(&line), "{moment}: {:?}", plan.way);
+            waited += 1;
+        }
+    }
+    assert!(waited > 10, "{waited}");
+}
+
+#[test]
+fn a_speed_that_is_varied_is_varied_again() {
+    let machine = Machine::default();
+    let text = std::fs::read_to_string("../examples/varied.ngc").expect("an example");
+    let items = compiled(&machine, &text);
+    let cut = cut(&machine, &items, [1, 60_000], 0);
+    assert!(cut.known.passes > 0, "{}", cut.moment);
+    let plan = planned(&machine, &items, &cut).unwrap_or_else(|error| panic!("{}: {error}", cut.moment));
+    assert!(
+        plan.before.iter().any(|item| matches!(item.code, Code::Variation(Some(_)))),
+        "{:?}",
+        plan.before
+    );
+}
