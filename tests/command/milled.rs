@@ -18,7 +18,7 @@ const KILLS: u64 = 5;
 
 fn ready(place: &Place, z_mm: f64) -> String {
     place.write("mill.toml", machine::SMALL_MILL);
-    place.write("shop.tbl", &format!("T1 P1 Z{z_mm:.3} D6\nT2 P2 Z2.0 D6\n"));
+    place.write("shop.tbl", format!("T1 P1 Z{z_mm:.3} D6\nT2 P2 Z2.0 D6\n"));
     place.write("plate.ngc", PROGRAM).display().to_string()
 }
 
