@@ -33,7 +33,7 @@ fn program(path: &str) -> String {
         format!("G17 G21 G90 G94 {path}\nT1 M6\nM3 S3000\nG0 X30 Y0\nG0 Z3\nG1 Z-2 F400\nG1 F1500\n");
     for n in 1..=240 {
         let angle = TAU * f64::from(n) / 240.0;
-        let _ = writeln!(text, "G1 X{:.4} Y{:.4}", 30.0 * angle.cos(), 20.0 * angle.sin());
+        let _ = writeln!(text, "G1 X{:.4} Y{:.4}", 30.0 * libm::cos(angle), 20.0 * libm::sin(angle));
     }
     text += "G0 Z5\nG0 X10 Y0\nG1 Z0 F800\nG3 X10 Y0 Z-3 I-10 J0 F1200\nG3 X10 Y0 I-10 J0\nG2 X-10 Y0 I-10 J0\nG0 Z5\n\
         G98 G81 X40 Y30 Z-6 R2 F300\nG83 X-40 Y30 Z-8 R2 Q3 F300\nG80\nG0 Z20\nM5\nT2 M6\nM3 S4000\nM8\n\
@@ -93,7 +93,8 @@ impl Programmed {
                         let share = f64::from(n) / f64::from(steps);
                         let at = angle(from) + sign * share * swept;
                         let [_, _, z] = between(share);
-                        let place = [centre[0] + radius * at.cos(), centre[1] + radius * at.sin(), z];
+                        let [across, along] = [radius * libm::cos(at), radius * libm::sin(at)];
+                        let place = [centre[0] + across, centre[1] + along, z];
                         programmed.add(place, true);
                     }
                 }
