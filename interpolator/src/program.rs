@@ -2,7 +2,7 @@
 
 use machine::Machine;
 use protocol::{
-    ByHand, Code, Feed, Item, MachineStatus, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, Work,
+    ByHand, Code, Feed, Item, MachineStatus, Panel, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, Work,
     frame::SETPOINT_LEAD,
 };
 use route::Route;
@@ -75,11 +75,12 @@ impl Program {
     /// have been appended so far, and whether axes and spindle stand.
     pub(crate) fn next(
         &mut self,
-        held: bool,
+        panel: &Panel,
         spindle: &mut Spindle,
         route: &mut Route,
         (blocks, stands): (u64, bool),
     ) -> Next {
+        let held = panel.pressed(Panel::FEED_HOLD);
         for _ in 0..ITEMS_PER_TICK {
             let Some(item) = self.queue.head() else { return Next::Nothing };
             if held && (item.is_move() || matches!(item.code, Code::Pass(_))) {
@@ -97,7 +98,8 @@ impl Program {
                     self.queue.done();
                     return Next::Dwell(seconds);
                 }
-                Code::Pause => {
+                Code::OptionalPause if panel.pressed(Panel::PASSES_M1) => {}
+                Code::Pause | Code::OptionalPause => {
                     self.queue.done();
                     return Next::Pause;
                 }

@@ -97,6 +97,7 @@ function show(news) {
   }
   if (news.knobs) knobs();
   if ("single_block" in news) $("single").checked = state.single_block;
+  if ("optional_stop" in news) $("optional").checked = state.optional_stop;
   if ("line" in news) mark();
   if (news.passes || "cutting" in news) passes();
   if (news.faults || news.messages) told();
@@ -346,6 +347,7 @@ $("turn").onsubmit = (event) => { event.preventDefault(); press("spindle", Numbe
 $("turn-stop").onclick = () => press("spindle", 0);
 window.onblur = letGo;
 $("single").onchange = (event) => press("single-block", event.target.checked);
+$("optional").onchange = (event) => press("optional-stop", event.target.checked);
 for (const name of ["spindle", "feed", "rapid"]) {
   const slider = $(name + "-override");
   let due = null;

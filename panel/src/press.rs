@@ -33,13 +33,14 @@ pub enum Does {
 }
 
 /// Every word, in the order of the documentation.
-pub const DOES: [(&str, Does); 20] = [
+pub const DOES: [(&str, Does); 21] = [
     ("start", Does::Button(Request::CycleStart)),
     ("hold", Does::Button(Request::FeedHold)),
     ("stop", Does::Button(Request::Stop)),
     ("abort", Does::Button(Request::Abort)),
     ("emergency-stop", Does::Button(Request::EmergencyStop)),
     ("single-block", Does::Switch(Request::SingleBlock)),
+    ("optional-stop", Does::Switch(Request::OptionalStop)),
     ("spindle-override", Does::Knob(Request::SpindleOverride, 200.0)),
     ("feed-override", Does::Knob(Request::FeedOverride, 200.0)),
     ("rapid-override", Does::Knob(Request::RapidOverride, 100.0)),

@@ -178,6 +178,8 @@ pub struct Seen {
     pub held: bool,
     /// Single block is on.
     pub single_block: bool,
+    /// The program waits at M1.
+    pub optional_stop: bool,
     /// How long the rest of the program takes at 100 %, s, where that is known.
     pub left_s: Option<f64>,
     /// Number of the tool, and its name in the machine file.

@@ -300,7 +300,7 @@ pub enum Code {
         /// For so long at most, s, > 0.
         within_s: f64,
     },
-    /// Wait at rest for cycle start (M0, M60, M1 where it counts). Spindle and coolant go on.
+    /// Wait at rest for cycle start (M0, M60). Spindle and coolant go on.
     Pause,
     /// A pass of a thread. Every axis rests at the start of its law when it is reached.
     Pass(ThreadPass),
@@ -327,6 +327,8 @@ pub enum Code {
         /// How fast; not [`Feed::Rapid`].
         feed: Feed,
     },
+    /// The same as [`Code::Pause`], unless [`Panel::PASSES_M1`](crate::Panel::PASSES_M1) is on (M1).
+    OptionalPause,
 }
 
 impl Code {
@@ -383,7 +385,8 @@ impl Item {
             Code::Output { number, set, .. } => set.check(*number),
             Code::Await { input, .. } if *input >= INPUTS => Err(Refused::OutOfRange("number of an input")),
             Code::Await { within_s, .. } => positive(*within_s, "wait for an input"),
-            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::End | Code::ByHand(_) => Ok(()),
+            Code::Tool { .. } | Code::Coolant { .. } | Code::Pause | Code::OptionalPause => Ok(()),
+            Code::End | Code::ByHand(_) => Ok(()),
         }
     }
 }

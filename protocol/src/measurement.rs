@@ -46,8 +46,8 @@ pub struct Panel {
     /// Rapid override, per cent, 0 to 100.
     pub rapid_override_pct: f64,
     /// Sum of [`Panel::FEED_HOLD`], [`Panel::STOP`], [`Panel::SINGLE_BLOCK`], [`Panel::ABORT`],
-    /// [`Panel::EMERGENCY_STOP`], [`Panel::POWER_LOST`], [`Panel::JOG`] and
-    /// [`Panel::BLOCK`].
+    /// [`Panel::EMERGENCY_STOP`], [`Panel::POWER_LOST`], [`Panel::JOG`], [`Panel::BLOCK`] and
+    /// [`Panel::PASSES_M1`].
     pub buttons: u32,
     /// How often cycle start was pressed. A count, so that no press is lost between two looks at the panel.
     pub cycle_starts: u32,
@@ -73,6 +73,8 @@ impl Panel {
     pub const JOG: u32 = 64;
     /// Whether the number of blocks that were given by hand is odd: it changes when one is there to be begun.
     pub const BLOCK: u32 = 128;
+    /// The optional stop is off: the program does not wait at an M1 that it comes to.
+    pub const PASSES_M1: u32 = 256;
     /// So long the jog key stays pressed with nobody to confirm it, s on the machine.
     pub const JOG_SILENT_S: f64 = 0.08;
 

@@ -31,6 +31,8 @@ pub enum Request {
     EmergencyStop,
     /// The jog key: pressed, or confirmed where it is pressed already; or let go.
     Jog(bool),
+    /// Wait at M1, or no longer. A machine begins with waiting.
+    OptionalStop(bool),
     /// Another block by hand is there, and begins when the machine waits for one.
     Block,
 }
@@ -68,6 +70,7 @@ impl OperatorRequest {
             Request::EmergencyStop => (9, 0.0),
             Request::Jog(on) => (10, f64::from(u8::from(on))),
             Request::Block => (11, 0.0),
+            Request::OptionalStop(on) => (12, f64::from(u8::from(on))),
         };
         OperatorRequest { sequence, kind, reserved: 0, value }
     }
@@ -93,6 +96,7 @@ impl OperatorRequest {
             9 => Request::EmergencyStop,
             10 => Request::Jog(self.value != 0.0),
             11 => Request::Block,
+            12 => Request::OptionalStop(self.value != 0.0),
             other => return Err(Refused::UnknownCode { field: "operator request", code: other }),
         })
     }

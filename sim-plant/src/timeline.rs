@@ -194,6 +194,7 @@ impl Timeline {
             Request::CycleStart => self.pressed.start_cycle(),
             Request::Stop => self.pressed.press(Panel::STOP, true),
             Request::SingleBlock(on) => self.pressed.press(Panel::SINGLE_BLOCK, on),
+            Request::OptionalStop(on) => self.pressed.press(Panel::PASSES_M1, !on),
             Request::Abort => self.pressed.press(Panel::ABORT, true),
             Request::EmergencyStop => self.pressed.press(Panel::EMERGENCY_STOP, true),
             Request::Jog(on) => {

@@ -326,9 +326,8 @@ impl Interpolator {
             self.patience.begin();
             Event::Waits(wait)
         } else {
-            let held = panel.pressed(Panel::FEED_HOLD);
             let known = (self.travel.blocks(), self.stands());
-            match self.program.next(held, &mut self.spindle, self.travel.route(), known) {
+            match self.program.next(panel, &mut self.spindle, self.travel.route(), known) {
                 Next::Nothing | Next::Standstill => Event::Waits(Wait::No),
                 Next::Impossible => Event::refused(Fault::BadMachineCode, cycle),
                 Next::Held => {

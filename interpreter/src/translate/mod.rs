@@ -280,7 +280,8 @@ impl Translator {
                 let coolant = self.auxiliary.cools(call);
                 self.push_some(line, coolant);
             }
-            Call::ProgramStop | Call::OptionalProgramStop => self.push(line, Code::Pause),
+            Call::ProgramStop => self.push(line, Code::Pause),
+            Call::OptionalProgramStop => self.push(line, Code::OptionalPause),
             _ => {
                 refuse_absent(call)?;
                 self.push_some(line, auxiliary::signal(call, &self.machine, self.spindle.turns())?);

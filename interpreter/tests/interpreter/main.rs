@@ -76,6 +76,7 @@ fn text(code: &Code) -> String {
         Code::Output { number, set, in_step } => format!("output {number} {set:?} in step {in_step}"),
         Code::Await { input, until, within_s } => format!("await {input} {until:?} {within_s}"),
         Code::Pause => "pause".to_owned(),
+        Code::OptionalPause => "optional pause".to_owned(),
         Code::ByHand(by_hand) => format!("by hand {by_hand:?}"),
         Code::Pass(pass) => {
             let (x, z) = (pass.axis(Axis::X), pass.axis(Axis::Z));

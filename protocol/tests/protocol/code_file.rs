@@ -153,6 +153,7 @@ fn any_item() -> impl Strategy<Value = Item> {
             within_s
         }),
         Just(Code::Pause),
+        Just(Code::OptionalPause),
         Just(Code::ByHand(ByHand::Waits)),
         any::<bool>().prop_map(|jogs| Code::ByHand(ByHand::Begins { at: PerAxis::default(), jogs })),
         (0.001..0.5, 0.25..1000.0).prop_map(|(share, revolutions)| {

@@ -125,6 +125,7 @@ fn each_kind_of_item_has_its_largest_size() {
         ("analog output", Code::Output { number: 3, set: Set::Analog(LONG), in_step: true }, 26),
         ("wait for an input", Code::Await { input: 63, until: Until::Low, within_s: LONG }, 25),
         ("pause", Code::Pause, 15),
+        ("optional pause", Code::OptionalPause, 15),
         ("pass", Code::Pass(busy_pass()), 1921),
         ("formula", Code::Formula { slot: u8::MAX, formula: long_formula() }, 370),
         ("contour", work(Shape::Contour(contour, [Axis::C, Axis::C])), 87),

@@ -81,7 +81,7 @@ fn every_code_travels() {
     for until in [Until::Rise, Until::Fall, Until::High, Until::Low] {
         codes.push(Code::Await { input: 63, until, within_s: 0.5 });
     }
-    codes.push(Code::Pause);
+    codes.extend([Code::Pause, Code::OptionalPause]);
     let variation = Variation { shape: VariationShape::Triangle, share: 0.3, revolutions: 4.0 };
     codes.extend([Some(variation), None].map(Code::Variation));
     for mode in [SpindleMode::Stop, SpindleMode::Clockwise, SpindleMode::Counterclockwise] {
@@ -293,6 +293,8 @@ fn the_operator_is_understood_or_refused() {
         Request::CycleStart,
         Request::SingleBlock(true),
         Request::SingleBlock(false),
+        Request::OptionalStop(false),
+        Request::OptionalStop(true),
         Request::Abort,
     ];
     for request in requests {

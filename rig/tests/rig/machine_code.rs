@@ -200,6 +200,29 @@ fn a_pause_waits_for_cycle_start() {
     assert_eq!((outcome, moves), (Outcome::Stopped, 1));
 }
 
+/// M1: the key decides in the tick in which the program comes to it, and not while it waits.
+#[test]
+fn an_optional_stop_waits_as_its_key_is_when_it_is_reached() {
+    let codes = [line(50.0, 90.0, Feed::Rapid), Code::OptionalPause, line(50.0, 80.0, FEED), Code::End];
+    let press = |cycle: u64, on: bool| format!("[[event]]\nat = {{ cycle = {cycle} }}\noptional_stop = {on}\n");
+    let waits = |scenario: &str| {
+        let seen = run_with(scenario, &codes, &[], |_| ());
+        assert_eq!((seen.outcome, seen.moves.count), (Outcome::Completed, 2), "{scenario}");
+        seen.pauses.first().map(|pause| pause.cycle)
+    };
+    let reached = waits("").expect("it is on at the beginning");
+    assert_eq!(waits(&press(0, false)), None, "off");
+    assert_eq!(waits(&(press(0, false) + &press(9, true))), Some(reached), "and on again");
+    // Round the moment at which it is reached: it waits, or it does not, and does not change its mind.
+    let last = |range: std::ops::Range<u64>| {
+        let passed: Vec<bool> = range.map(|cycle| waits(&press(cycle, false)).is_none()).collect();
+        assert!(passed.is_sorted_by(|before, after| before >= after), "{passed:?}");
+        passed
+    };
+    let passed = last(reached - 12..reached + 12);
+    assert!(passed[0] && !passed[23], "{passed:?}");
+}
+
 #[test]
 fn each_of_two_pauses_waits() {
     let seen = run(&[Code::Pause, Code::Pause, Code::End], &[], |_| ());

@@ -28,6 +28,7 @@ pub(super) struct RawEvent {
     emergency_stop: Option<bool>,
     power_lost: Option<bool>,
     single_block: Option<bool>,
+    optional_stop: Option<bool>,
     jog: Option<bool>,
     block: Option<bool>,
     spindle_load: Option<RawLoad>,
@@ -116,6 +117,7 @@ impl RawEvent {
             }
         }
         actions.extend(self.single_block.map(|on| Action::Press(Request::SingleBlock(on))));
+        actions.extend(self.optional_stop.map(|on| Action::Press(Request::OptionalStop(on))));
         actions.extend(self.jog.map(|on| Action::Press(Request::Jog(on))));
         Ok(actions)
     }

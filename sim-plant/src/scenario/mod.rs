@@ -19,6 +19,7 @@
 //! | `rapid_override_pct` | 0 to 100; the same |
 //! | `feed_hold`, `cycle_start`, `stop`, `abort` | `true`; a button is pressed, `cycle_start` releases the hold and ends a pause |
 //! | `single_block` | `true`, `false`; the switch is turned on or off |
+//! | `optional_stop` | `true`, `false`; whether the program waits at M1: at the beginning it does |
 //! | `jog` | `true`: the jog key is pressed, and let go when it is not pressed again within 0.08 s; `false`: let go |
 //! | `block` | `true`: the next block by hand is there |
 //! | `spindle_load` | `{ torque_nm, for_s }`: holds the spindle back; or `{ nm_per_rpm, for_s }`: so much for each 1/min at that moment |

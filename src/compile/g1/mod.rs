@@ -123,6 +123,7 @@ impl Program<'_> {
             Code::Await { input, until, within_s } => self.lines.wait(*input, *until, *within_s),
             Code::ByHand(_) => return Err(refuse("work by hand is no program of lines".into())),
             Code::Pause => self.lines.put("M0"),
+            Code::OptionalPause => self.lines.put("M1"),
             Code::End => self.lines.put("M2"),
         }
         Ok(())

@@ -70,9 +70,9 @@ fn a_panel_that_is_killed_or_stopped_costs_the_machine_nothing_and_comes_back() 
     let place = Place::new();
     let alone = place.run_inside(&example("m20x2"), None);
     let mut seed = Seed::new(20);
-    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", "5"]);
+    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", "3"]);
     let mut before = 0;
-    for moment in 0..10 {
+    for moment in 0..20 {
         let mut server = None;
         until("the panel is there", || {
             server = panel.server();
@@ -185,6 +185,27 @@ fn a_pause_waits_for_start_and_a_hold_for_whoever_pressed_it() {
     panel.press("start");
     let (status, summary) = ended(panel);
     assert_eq!((status, summary.outcome, summary.warnings.len()), (Some(0), Outcome::Completed, 0));
+    is_repeated(&place, "run", &summary);
+}
+
+/// The key of the optional stop is on at the beginning; turned off at the first M1 it lets the second one pass,
+/// and the session is repeated as it was.
+#[test]
+fn an_optional_stop_that_is_turned_off_is_passed() {
+    let place = Place::new();
+    let text = "G21 G90 G8\nG0 X20\nM1\nG0 X30\nM1\nG0 X25\nM2\n";
+    let program = place.write("optional.ngc", text).display().to_string();
+    let panel = watched(&place, &program, "run", &["--pace", "5"]);
+    panel.press("take-seat");
+    until("it waits at the first", || panel.state()["state"] == "paused");
+    assert_eq!(panel.state()["optional_stop"], true);
+    panel.turn("optional-stop", false);
+    until("it is seen", || panel.state()["optional_stop"] == false);
+    assert_eq!(panel.state()["state"], "paused", "it waits until somebody goes on");
+    panel.press("start");
+    let (status, summary) = ended(panel);
+    assert_eq!((status, summary.outcome, summary.pauses.len()), (Some(0), Outcome::Completed, 1));
+    assert_eq!(summary.pauses[0].line, 3);
     is_repeated(&place, "run", &summary);
 }
 
