@@ -2,8 +2,8 @@
 
 use machine::Machine;
 use protocol::{
-    ByHand, Code, Feed, Item, MachineStatus, Panel, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, Work,
-    frame::SETPOINT_LEAD,
+    ByHand, Code, Feed, Item, MachineStatus, Panel, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation,
+    Work, frame::SETPOINT_LEAD,
 };
 use route::Route;
 

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use protocol::{
     Arc, Axis, AxisLaw, ByHand, Code, Curve, Feed, Item, PathMode, PerAxis, Plane, Position, Refused, Set,
     Shape, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, VariationShape, Work,
-    code_file::{CodeFile, CodeFileError, CodeReader, Identity},
+    code_file::{CodeFile, CodeFileError, CodeReader, Identity, VERSION},
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -206,8 +206,13 @@ proptest! {
     }
 }
 
+/// Magic and version.
+fn head() -> Vec<u8> {
+    [&b"PLMC"[..], &VERSION.to_le_bytes()].concat()
+}
+
 fn with_head(content: &[u8]) -> Vec<u8> {
-    let mut bytes = b"PLMC\x0b\0".to_vec();
+    let mut bytes = head();
     bytes.extend((content.len() as u64).to_le_bytes());
     bytes.extend(crc32fast::hash(content).to_le_bytes());
     bytes.extend(content);
@@ -221,11 +226,14 @@ fn each_kind_of_wrong_file_has_its_message() {
     assert!(matches!(foreign, CodeFileError::Foreign), "{foreign}");
 
     let mut later = bytes.clone();
-    later[4] = 12;
+    later[4] += 1;
     let error = read(&later).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "this is machine code of version 12, and version 11 is needed: compile the program again"
+        format!(
+            "this is machine code of version {}, and version {VERSION} is needed: compile the program again",
+            VERSION + 1
+        )
     );
 
     let error = read(&bytes[..bytes.len() - 3]).unwrap_err();
@@ -244,7 +252,7 @@ fn each_kind_of_wrong_file_has_its_message() {
 
 #[test]
 fn hostile_lengths_take_no_memory() {
-    let mut bytes = b"PLMC\x0b\0".to_vec();
+    let mut bytes = head();
     bytes.extend(u64::MAX.to_le_bytes());
     assert!(matches!(read(&bytes), Err(CodeFileError::TooLong(u64::MAX))));
 

@@ -114,7 +114,7 @@ fn each_kind_of_item_has_its_largest_size() {
     let table = [
         ("line", Code::Line { target, feed }, 96),
         ("arc", Code::Arc { arc, feed }, 120),
-        ("piece of a curve", Code::Curve { curve: long_curve(), feed }, 280),
+        ("piece of a curve", Code::Curve { curve: long_curve(), feed }, 272),
         ("path mode", Code::PathMode(PathMode::Blend { tolerance_mm: LONG, merge_mm: LONG }), 32),
         ("dwell", Code::Dwell { seconds: LONG }, 23),
         ("spindle", Code::Spindle { mode: SpindleMode::Counterclockwise, speed: surface_speed }, 42),

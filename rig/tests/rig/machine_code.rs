@@ -204,7 +204,8 @@ fn a_pause_waits_for_cycle_start() {
 #[test]
 fn an_optional_stop_waits_as_its_key_is_when_it_is_reached() {
     let codes = [line(50.0, 90.0, Feed::Rapid), Code::OptionalPause, line(50.0, 80.0, FEED), Code::End];
-    let press = |cycle: u64, on: bool| format!("[[event]]\nat = {{ cycle = {cycle} }}\noptional_stop = {on}\n");
+    let press =
+        |cycle: u64, on: bool| format!("[[event]]\nat = {{ cycle = {cycle} }}\noptional_stop = {on}\n");
     let waits = |scenario: &str| {
         let seen = run_with(scenario, &codes, &[], |_| ());
         assert_eq!((seen.outcome, seen.moves.count), (Outcome::Completed, 2), "{scenario}");
