@@ -188,8 +188,8 @@ fn a_pause_waits_for_start_and_a_hold_for_whoever_pressed_it() {
     is_repeated(&place, "run", &summary);
 }
 
-/// The key of the optional stop is on at the beginning; turned off at the first M1 it lets the second one pass,
-/// and the session is repeated as it was.
+/// The key of the optional stop is on at the beginning; turned off at the first M1 it lets the second one
+/// pass, and the session is repeated as it was.
 #[test]
 fn an_optional_stop_that_is_turned_off_is_passed() {
     let place = Place::new();
