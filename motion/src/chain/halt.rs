@@ -1,11 +1,11 @@
-//! Where a stop is faster than a rounded corner. In: two lines and what their corner may be led away. Out: a
-//! verdict, from these two lines and the limits of the axes alone.
+//! Where a stop is faster than a rounded corner. In: two blocks and the blend that their corner may have. Out: a
+//! verdict, from these two blocks and the limits of the axes alone.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
 //! | r | mm | half the width of the blend, as far as the tolerance and the shorter line allow |
 //! | v | mm/s | the speed at which it is passed (M66) |
-//! | l | mm | half of a line |
+//! | l | mm | half of a block; of a piece, twice its length |
 //! | F | mm/s | the feed at its middle: the programmed one, or what the way from there allows |
 //! | T(e), d(a, b) | s, mm | duration of the fastest ramp by e (M21), way of that between two feeds (M22) |
 //!
@@ -15,9 +15,8 @@
 //! ```
 //! r/v grows with r^¼ where the jerk rate bounds v, and what the ramp saves with v ∝ r^¾: once rounding is
 //! faster, a larger tolerance only makes it more so. A stop leaves the tip where it is programmed, so no
-//! tolerance is at stake.
+//! tolerance is at stake. A curve has at least four pieces as long as that at its end.
 
-use super::pieces::REACH_MM;
 use super::zone::Bend;
 use super::{Block, Feed};
 use crate::blend::Blend;
@@ -27,39 +26,38 @@ use crate::reach::reach;
 
 /// Corners whose jump of p₁ is less are rounded unasked: 6°. A contour has many, and a stop hardly ever pays.
 const LEAST_TURN: f64 = 0.1;
+/// A curve is so many times as long as the piece at its end, at least.
+const PIECES: f64 = 4.0;
 
-/// Whether the corner of two lines takes longer rounded than with a stop; `jump` is that of p₁, of the size
-/// `turn`, `widest` half the width that the tolerance allows, mm.
+/// Whether the corner of two blocks, whose directions are `turn` apart, takes longer with this blend than with
+/// a stop.
 pub(super) fn stop_is_faster<const N: usize, T>(
-    lines: [&Block<N, T>; 2],
-    jump: &[f64; N],
+    blocks: [&Block<N, T>; 2],
+    blend: &Blend<N>,
     turn: f64,
-    widest: f64,
     axes: &[Limits; N],
 ) -> bool {
     if turn < LEAST_TURN {
         return false;
     }
-    let [before, behind] = lines.map(|line| line.path.length());
-    let half = widest.min(before).min(behind).min(REACH_MM);
-    let blend = Blend::new([*jump, [0.0; N], [0.0; N]], half);
-    let bend = Bend([lines[0].path.shares(), [0.0; N], [0.0; N], [0.0; N]]);
-    let v = bend.with(&blend, &lines[1].path.shares()).top(axes, f64::INFINITY, f64::INFINITY);
+    let bend = Bend::of(&blocks[0].path).with(blend, &blocks[1].path.shares());
+    let v = bend.top(axes, f64::INFINITY, f64::INFINITY);
     let [rounded, stopped] = [v, 0.0].map(|v| {
-        let way = if v > 0.0 { half } else { 0.0 };
-        lines.iter().map(|line| half_a_line(line, v, way, axes)).sum::<f64>()
+        let way = if v > 0.0 { blend.half() } else { 0.0 };
+        blocks.iter().map(|block| half_a_block(block, v, way, axes)).sum::<f64>()
     });
     rounded > stopped
 }
 
-/// Time from the middle of a line to its end, the last `way` mm of it at the speed `v`.
-fn half_a_line<const N: usize, T>(line: &Block<N, T>, v: f64, way: f64, axes: &[Limits; N]) -> f64 {
-    let limits = line.path.limits(axes);
-    let programmed = match line.feed {
+/// Time from the middle of a block to its end, the last `way` mm of it at the speed `v`.
+fn half_a_block<const N: usize, T>(block: &Block<N, T>, v: f64, way: f64, axes: &[Limits; N]) -> f64 {
+    let limits = block.path.limits(axes);
+    let programmed = match block.feed {
         Feed::Rapid => limits.v,
         Feed::PerSecond(feed) | Feed::PerRevolution(_, feed) => feed.min(limits.v),
     };
-    let length = 0.5 * line.path.length();
+    let pieces = if block.path.is_piece() { PIECES } else { 1.0 };
+    let length = 0.5 * pieces * block.path.length();
     let (way, v) = (way.min(length), v.min(programmed));
     let feed = reach(v, programmed, length - way, &limits);
     let ramp = Ramp::shortest(feed - v, &limits);

@@ -3,14 +3,16 @@
 //!
 //! | blocks | the junction | its blend |
 //! |---|---|---|
-//! | two lines | a corner | as wide as `width.rs` finds it may be, over other corners too; none where a stop is faster (`halt.rs`) |
+//! | two lines | a corner | as wide as `width.rs` finds it may be, over other corners too |
 //! | one is an arc or a piece of a curve | fixed | to half of the shorter at most, with half the tolerance |
+//! | a stop is faster (`halt.rs`) | a stop | none |
 //!
 //! Blends of a curvature that jumps lie on both sides of the path, so those beside an arc share the
 //! tolerance. Pieces of one curve have no jumps at all, so nothing is rounded between them.
 
 use super::Block;
 use super::halt::stop_is_faster;
+use super::pieces::REACH_MM;
 use crate::blend::{Blend, aside};
 use crate::limits::Limits;
 use crate::path::Path;
@@ -120,7 +122,8 @@ pub(super) fn junction<const N: usize, T>(
     if lines {
         let (jump, size) = if smooth { ([0.0; N], 0.0) } else { (jumps[0], turn) };
         let widest = tolerance / (aside(0.0, 1.0) * size);
-        if widest < LEAST_HALF.min(shorter) || stop_is_faster([last, next], &jump, size, widest, axes) {
+        let blend = Blend::new([jump, [0.0; N], [0.0; N]], widest.min(shorter).min(REACH_MM));
+        if widest < LEAST_HALF.min(shorter) || stop_is_faster([last, next], &blend, size, axes) {
             return Junction::Stop;
         }
         let alone = last.room.min(next.room) < tolerance;
@@ -131,10 +134,11 @@ pub(super) fn junction<const N: usize, T>(
     }
     let tolerance = (0.5 * tolerance).min(last.room).min(next.room);
     let half = Blend::half_within(&jumps, tolerance, 0.5 * shorter);
-    if half < LEAST_HALF.min(0.5 * shorter) {
+    let blend = Blend::new(jumps, half);
+    if half < LEAST_HALF.min(0.5 * shorter) || stop_is_faster([last, next], &blend, turn, axes) {
         return Junction::Stop;
     }
-    Junction::Fixed(Blend::new(jumps, half))
+    Junction::Fixed(blend)
 }
 
 /// Whether the corner of two lines lies within `tip` mm of the line past it, and both lead along that.

@@ -10,7 +10,7 @@
 //! | x, f, g | – | how far a pulse of jerk has come, 0 … 1; its acceleration and jerk, as shares of their peaks |
 //!
 //! ```text
-//! v ≤ V/k₁,  v² ≤ βA/k₂,  v³ ≤ βJ/k₃,  v⁴ ≤ βD/k₄,  β = 0.6;  v² ≤ 8 ε/|k₂| T²
+//! v ≤ V/k₁,  v² ≤ βA/k₂,  v³ ≤ βJ/k₃,  v⁴ ≤ βD/k₄,  β = 0.7;  v² ≤ 8 ε/|k₂| T²
 //! A′ = A − k₂v²,  J′ = J − k₃v³,  D′ = D − k₄v⁴
 //! a ≤ A′/k₁,  3K₂va ≤ 0.8 J′,  3K₂a² + 6K₃v²a ≤ 0.6 D′,  4K₂vj ≤ 0.3 D′         the least J′, D′ of all axes
 //! j ≤ (J′ − 0.66 · 3k₂va)/k₁
@@ -37,7 +37,7 @@ use crate::limits::Limits;
 use crate::path::Path;
 
 /// Share of the limits that a bend may take.
-const BEND: f64 = 0.6;
+const BEND: f64 = 0.7;
 /// Shares of what it leaves: for the acceleration in jerk, in jerk rate, for jerk in jerk rate.
 const ACCELERATION: [f64; 2] = [0.8, 0.6];
 const JERK: f64 = 0.3;

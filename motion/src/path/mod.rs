@@ -192,6 +192,11 @@ impl<const N: usize> Path<N> {
         matches!(self.shape, Shape::Line { .. })
     }
 
+    /// Whether it is a piece of a curve.
+    pub(crate) fn is_piece(&self) -> bool {
+        matches!(self.shape, Shape::Piece(_))
+    }
+
     /// By how much p₁, p₂, p₃ jump where `next` begins at the end of this path, mm⁰ … 1/mm².
     #[must_use]
     pub fn jumps(&self, next: &Path<N>) -> [[f64; N]; 3] {
