@@ -193,7 +193,8 @@ impl<const N: usize> Path<N> {
     }
 
     /// Whether it is a piece of a curve.
-    pub(crate) fn is_piece(&self) -> bool {
+    #[must_use]
+    pub fn is_piece(&self) -> bool {
         matches!(self.shape, Shape::Piece(_))
     }
 

@@ -3,8 +3,8 @@
 //!
 //! Beside an arc a junction is rounded over at most half of either element, with half the tolerance and not
 //! beyond the room that is left. A corner of lines is rounded as widely as all corners around it allow
-//! (M172): no place where several reach may be led away by more than its tolerance. It is not rounded where a
-//! stop is faster (M183).
+//! (M172): no place where several reach may be led away by more than its tolerance. No corner is rounded where
+//! a stop is faster (M183).
 
 use crate::programs::{Line, N, end_of};
 use crate::stand::{AXES, Seen};
@@ -108,7 +108,8 @@ fn kind(last: &Line, next: &Line) -> Kind {
     if last.path.is_line() && next.path.is_line() {
         let jump = if smooth { [0.0; N] } else { jumps[0] };
         let widest = tolerance / (7.0 / 48.0 * distance(&jump, &[0.0; N]));
-        let stops = widest < 1e-6_f64.min(a.min(b)) || is_crawled_through([last, next], &jump, widest);
+        let blend = Blend::new([jump, [0.0; N], [0.0; N]], widest.min(a).min(b).min(REACH));
+        let stops = widest < 1e-6_f64.min(a.min(b)) || is_crawled_through([last, next], &jump, &blend);
         return if stops { Kind::Stop } else { Kind::Corner(jump, tolerance, room < tolerance) };
     }
     if smooth {
@@ -116,35 +117,39 @@ fn kind(last: &Line, next: &Line) -> Kind {
     }
     let (tolerance, cap) = ((0.5 * tolerance).min(room), 0.5 * a.min(b));
     let half = Blend::half_within(&jumps, tolerance, cap);
-    if half >= cap.min(1e-6) { Kind::Fixed(Blend::new(jumps, half)) } else { Kind::Stop }
+    let blend = Blend::new(jumps, half);
+    let stops = half < cap.min(1e-6) || is_crawled_through([last, next], &jumps[0], &blend);
+    if stops { Kind::Stop } else { Kind::Fixed(blend) }
 }
 
-/// Whether the halves of two lines beside their corner take longer if it is rounded, at the constant feed
-/// that its bends allow, than with a stop in it.
-fn is_crawled_through(lines: [&Line; 2], jump: &[f64; N], widest: f64) -> bool {
+/// Whether the halves of two blocks beside their corner take longer if it is rounded, at the constant feed
+/// that its bends allow, than with a stop in it. A piece stands for a curve of four.
+fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> bool {
     if distance(jump, &[0.0; N]) < 0.1 {
         return false;
     }
-    let [a, b] = lines.map(|line| line.path.length());
-    let half = widest.min(a).min(b).min(REACH);
-    let shares = lines.map(|line| line.path.shares());
+    let half = blend.half();
+    let (shares, own, peaks) =
+        (blocks.map(|block| block.path.shares()), blocks[0].path.bend(), blend.peaks());
     let allowed = (0..N).map(|i| {
-        let (axis, bend) = (&AXES[i], jump[i].abs() / half);
-        let by_acceleration = (0.6 * axis.a / bend).sqrt();
-        let by_jerk = libm::cbrt(0.6 * axis.j / (2.0 * bend / half));
-        let by_jerk_rate = (0.6 * axis.dj / (4.0 * bend / half / half)).sqrt().sqrt();
-        let by_speed = axis.v / shares[0][i].max(shares[1][i]);
+        let (axis, [second, third, fourth]) = (&AXES[i], [0, 1, 2].map(|n| own[n][i] + peaks[n + 1][i]));
+        let by_acceleration = (0.7 * axis.a / second).sqrt();
+        let by_jerk = libm::cbrt(0.7 * axis.j / third);
+        let by_jerk_rate = (0.7 * axis.dj / fourth).sqrt().sqrt();
+        let turned = (peaks[0][i] - 0.5 * jump[i].abs()).max(0.0);
+        let by_speed = axis.v / (shares[0][i].max(shares[1][i]) + turned);
         by_speed.min(by_acceleration).min(by_jerk).min(by_jerk_rate)
     });
     let crawl = allowed.fold(f64::INFINITY, f64::min);
     let time = |crawl: f64, half: f64| {
-        let side = lines.map(|line| {
-            let limits = line.path.limits(&AXES);
-            let top = match line.feed {
+        let side = blocks.map(|block| {
+            let limits = block.path.limits(&AXES);
+            let top = match block.feed {
                 Feed::Rapid => limits.v,
                 Feed::PerSecond(feed) | Feed::PerRevolution(_, feed) => feed.min(limits.v),
             };
-            let (crawl, length) = (crawl.min(top), 0.5 * line.path.length());
+            let share = if block.path.is_piece() { 2.0 } else { 0.5 };
+            let (crawl, length) = (crawl.min(top), share * block.path.length());
             let half = half.min(length);
             let feed = reachable_feed(crawl, top, length - half, &limits);
             let even = (length - half - junction_distance(crawl, feed, &limits)) / feed;

@@ -289,16 +289,20 @@ fn finer_chords_are_never_slower() {
     }
 }
 
-/// What a CAM system writes: uneven chords, rounded to a thousandth.
+/// What a CAM system writes: uneven chords, rounded to a thousandth. On the mean of six contours: widths are
+/// whole numbers of lines, so one may be a tenth faster or slower.
 #[test]
 fn uneven_lines_of_three_decimals_are_nearly_as_fast_as_even_ones() {
-    let curve = |more: f64, decimals: f64| {
-        let mut random = Seed::of_case(900);
+    let curve = |case: u64, more: f64, decimals: f64| {
+        let mut random = Seed::of_case(case);
         let mut points = wave(&mut random, 0.2 * 2.0 / (1.0 + more), more);
         points.iter_mut().flatten().for_each(|x| *x = (*x * decimals).round() / decimals);
         times(&points, 100.0, Corner::Blend(0.01)).0
     };
-    let (even, uneven, rounded) = (curve(1.0, 1e9), curve(2.0, 1e9), curve(2.0, 1e3));
-    assert!(uneven <= 1.1 * even, "{uneven} s for uneven lines, {even} s for even ones");
-    assert!(rounded <= 1.07 * uneven, "{rounded} s with three decimals, {uneven} s with nine");
+    let mean = |more: f64, decimals: f64| {
+        (900..906).map(|case| curve(case, more, decimals) / curve(case, 2.0, 1e9)).sum::<f64>() / 6.0
+    };
+    let (even, rounded) = (mean(1.0, 1e9), mean(2.0, 1e3));
+    assert!(even >= 1.0 / 1.1, "even lines take {even} of the time of uneven ones");
+    assert!(rounded <= 1.05, "three decimals take {rounded} of the time of nine");
 }
