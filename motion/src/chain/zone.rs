@@ -10,7 +10,7 @@
 //! | x, f, g | – | how far a pulse of jerk has come, 0 … 1; its acceleration and jerk, as shares of their peaks |
 //!
 //! ```text
-//! v ≤ V/k₁,  v² ≤ βA/k₂,  v³ ≤ βJ/k₃,  v⁴ ≤ βD/k₄,  β = 0.7;  v² ≤ 8 ε/|k₂| T²
+//! v ≤ V/k₁,  v² ≤ 0.8 A/k₂,  v³ ≤ 0.65 J/k₃,  v⁴ ≤ 0.65 D/k₄,  v² ≤ 8 ε/|k₂| T²
 //! A′ = A − k₂v²,  J′ = J − k₃v³,  D′ = D − k₄v⁴
 //! a ≤ A′/k₁,  3K₂va ≤ 0.8 J′,  3K₂a² + 6K₃v²a ≤ 0.6 D′,  4K₂vj ≤ 0.3 D′         the least J′, D′ of all axes
 //! j ≤ (J′ − 0.66 · 3k₂va)/k₁
@@ -36,8 +36,8 @@ use crate::blend::Blend;
 use crate::limits::Limits;
 use crate::path::Path;
 
-/// Share of the limits that a bend may take.
-const BEND: f64 = 0.7;
+/// Share of the acceleration that a bend may take, and of jerk and jerk rate.
+const BEND: [f64; 2] = [0.8, 0.65];
 /// Shares of what it leaves: for the acceleration in jerk, in jerk rate, for jerk in jerk rate.
 const ACCELERATION: [f64; 2] = [0.8, 0.6];
 const JERK: f64 = 0.3;
@@ -114,9 +114,9 @@ impl<const N: usize> Bend<N> {
             v = v.min(over(axis.v, k1[i]));
             if k2[i] > 0.0 || k3[i] > 0.0 {
                 v = v
-                    .min(over(BEND * axis.a, k2[i]).sqrt())
-                    .min(libm::cbrt(over(BEND * axis.j, k3[i])))
-                    .min(over(BEND * axis.dj, k4[i]).sqrt().sqrt());
+                    .min(over(BEND[0] * axis.a, k2[i]).sqrt())
+                    .min(libm::cbrt(over(BEND[1] * axis.j, k3[i])))
+                    .min(over(BEND[1] * axis.dj, k4[i]).sqrt().sqrt());
             }
         }
         v.min(over(chord_v2, norm(k2)).sqrt())

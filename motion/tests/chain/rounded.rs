@@ -133,9 +133,9 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> 
         (blocks.map(|block| block.path.shares()), blocks[0].path.bend(), blend.peaks());
     let allowed = (0..N).map(|i| {
         let (axis, [second, third, fourth]) = (&AXES[i], [0, 1, 2].map(|n| own[n][i] + peaks[n + 1][i]));
-        let by_acceleration = (0.7 * axis.a / second).sqrt();
-        let by_jerk = libm::cbrt(0.7 * axis.j / third);
-        let by_jerk_rate = (0.7 * axis.dj / fourth).sqrt().sqrt();
+        let by_acceleration = (0.8 * axis.a / second).sqrt();
+        let by_jerk = libm::cbrt(0.65 * axis.j / third);
+        let by_jerk_rate = (0.65 * axis.dj / fourth).sqrt().sqrt();
         let turned = (peaks[0][i] - 0.5 * jump[i].abs()).max(0.0);
         let by_speed = axis.v / (shares[0][i].max(shares[1][i]) + turned);
         by_speed.min(by_acceleration).min(by_jerk).min(by_jerk_rate)
