@@ -274,7 +274,7 @@ fn look_ahead(steps: &mut Vec<Step>, program: &mut impl Iterator<Item = Item>) {
 
 /// Whether somebody may still wait for the end of this where the tool stands before the next move.
 fn is_wait(item: &Item) -> bool {
-    matches!(item.code, Code::Dwell { .. } | Code::Await { .. } | Code::Pause)
+    matches!(item.code, Code::Dwell { .. } | Code::Await { .. } | Code::Pause | Code::OptionalPause)
 }
 
 fn is_work(item: &Item) -> bool {
