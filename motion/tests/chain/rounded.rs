@@ -9,7 +9,7 @@
 use crate::programs::{Line, N, end_of};
 use crate::stand::{AXES, Seen};
 use motion::chain::{Corner, Feed};
-use motion::{Blend, Path, Ramp, junction_distance, reachable_feed};
+use motion::{Blend, Limits, Path, Ramp, junction_distance, reachable_feed};
 
 /// A program with the blend at the end of every block.
 pub(crate) struct Rounded<'a> {
@@ -133,7 +133,7 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> 
         (blocks.map(|block| block.path.shares()), blocks[0].path.bend(), blend.peaks());
     let allowed = (0..N).map(|i| {
         let (axis, [second, third, fourth]) = (&AXES[i], [0, 1, 2].map(|n| own[n][i] + peaks[n + 1][i]));
-        let by_acceleration = (0.8 * axis.a / second).sqrt();
+        let by_acceleration = (0.7 * axis.a / second).sqrt();
         let by_jerk = libm::cbrt(0.65 * axis.j / third);
         let by_jerk_rate = (0.65 * axis.dj / fourth).sqrt().sqrt();
         let turned = (peaks[0][i] - 0.5 * jump[i].abs()).max(0.0);
@@ -143,7 +143,7 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> 
     let crawl = allowed.fold(f64::INFINITY, f64::min);
     let time = |crawl: f64, half: f64| {
         let side = blocks.map(|block| {
-            let limits = block.path.limits(&AXES);
+            let limits = straight(&block.path.shares());
             let top = match block.feed {
                 Feed::Rapid => limits.v,
                 Feed::PerSecond(feed) | Feed::PerRevolution(_, feed) => feed.min(limits.v),
@@ -159,6 +159,18 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> 
         side[0] + side[1]
     };
     time(crawl, half) > time(0.0, 0.0)
+}
+
+/// Limits along a line with these shares of the axes.
+fn straight(shares: &[f64; N]) -> Limits {
+    let least =
+        |limit: fn(&Limits) -> f64| (0..N).map(|i| limit(&AXES[i]) / shares[i]).fold(f64::INFINITY, f64::min);
+    Limits {
+        v: least(|axis| axis.v),
+        a: least(|axis| axis.a),
+        j: least(|axis| axis.j),
+        dj: least(|axis| axis.dj),
+    }
 }
 
 impl Rounded<'_> {

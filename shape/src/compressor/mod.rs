@@ -43,7 +43,7 @@ const WINDOW: usize = 96;
 const LOOK: usize = 32;
 const MOST: usize = 4096;
 /// What is tried one after the other: shares of the widths of M186, places in an interval.
-const EFFORTS: [(f64, f64); 2] = [(1.0, 3.0), (0.6, 3.0)];
+const EFFORTS: [(f64, f64); 3] = [(1.0, 3.0), (0.8, 6.0), (0.6, 6.0)];
 /// So many intervals at its end are laid out again.
 const ENDS: usize = 4;
 /// Behind the middle of the overlap a spline is led off the lines by this share of the one before at most.
