@@ -1,5 +1,5 @@
-//! Where a stop is faster than a rounded corner. In: two blocks and the blend that their corner may have. Out: a
-//! verdict, from these two blocks and the limits of the axes alone.
+//! Where a stop is faster than a rounded corner. In: two blocks and the blend that their corner may have.
+//! Out: a verdict, from these two blocks and the limits of the axes alone.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -29,8 +29,8 @@ const LEAST_TURN: f64 = 0.1;
 /// A curve is so many times as long as the piece at its end, at least.
 const PIECES: f64 = 4.0;
 
-/// Whether the corner of two blocks, whose directions are `turn` apart, takes longer with this blend than with
-/// a stop.
+/// Whether the corner of two blocks, whose directions are `turn` apart, takes longer with this blend than
+/// with a stop.
 pub(super) fn stop_is_faster<const N: usize, T>(
     blocks: [&Block<N, T>; 2],
     blend: &Blend<N>,

@@ -3,8 +3,8 @@
 //!
 //! Beside an arc a junction is rounded over at most half of either element, with half the tolerance and not
 //! beyond the room that is left. A corner of lines is rounded as widely as all corners around it allow
-//! (M172): no place where several reach may be led away by more than its tolerance. No corner is rounded where
-//! a stop is faster (M183).
+//! (M172): no place where several reach may be led away by more than its tolerance. No corner is rounded
+//! where a stop is faster (M183).
 
 use crate::programs::{Line, N, end_of};
 use crate::stand::{AXES, Seen};
