@@ -62,12 +62,13 @@ impl Infeeds {
     pub(crate) fn rubs(&self, units: Units) -> impl Iterator<Item = (Place, Box<Problem>)> {
         self.rubs.iter().map(move |Rubs { helix, passes, least_mm }| {
             let [least, rubs] = [*least_mm, RUBS_MM].map(|mm| units.length(mm));
-            let goes = if *passes == 1 { "a pass goes".into() } else { format!("{passes} passes go") };
+            let goes = match passes {
+                1 => "a pass goes no more than".into(),
+                _ => format!("{passes} passes go as little as"),
+            };
             let message = format!(
-                "{goes} no more than {least} deeper than the one before in this groove: below {rubs} an edge rubs \
-                 instead of cutting"
+                "{goes} {least} deeper than the one before in this groove: below {rubs} an edge rubs instead of cutting"
             );
-            let message = if *passes == 1 { message } else { message.replacen("no more than", "as little as", 1) };
             let help = "take fewer passes, a least cut, or a larger finish allowance; a spring pass goes no deeper at all";
             let place = helix.place();
             (place, Problem::warning("thin-chip", Blame::Line(place.line), message, help))

@@ -21,6 +21,7 @@ use super::zone::Bend;
 use super::{Block, Feed};
 use crate::blend::Blend;
 use crate::limits::Limits;
+use crate::path::tightest;
 use crate::ramp::Ramp;
 use crate::reach::reach;
 
@@ -51,8 +52,8 @@ pub(super) fn stop_is_faster<const N: usize, T>(
 
 /// Time from the middle of a block to its end, the last `way` mm of it at the speed `v`.
 fn half_a_block<const N: usize, T>(block: &Block<N, T>, v: f64, way: f64, axes: &[Limits; N]) -> f64 {
-    let straight = Bend([block.path.shares(), [0.0; N], [0.0; N], [0.0; N]]);
-    let limits = straight.limits(axes, f64::INFINITY, f64::INFINITY);
+    let shares = block.path.shares();
+    let limits = tightest(axes, |i| shares[i]);
     let programmed = match block.feed {
         Feed::Rapid => limits.v,
         Feed::PerSecond(feed) | Feed::PerRevolution(_, feed) => feed.min(limits.v),

@@ -231,7 +231,7 @@ fn norm<const N: usize>(way: &[f64; N], metric: &[bool; N]) -> f64 {
 }
 
 /// What the axes leave for the way if each has a constant share in it.
-fn tightest<const N: usize>(axes: &[Limits; N], share: impl Fn(usize) -> f64) -> Limits {
+pub(crate) fn tightest<const N: usize>(axes: &[Limits; N], share: impl Fn(usize) -> f64) -> Limits {
     let mut tightest = Limits::NONE;
     for (i, Limits { v, a, j, dj }) in axes.iter().enumerate() {
         let share = share(i);

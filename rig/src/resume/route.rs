@@ -191,9 +191,7 @@ fn beside_line_mm(from: &PerAxis<Position>, to: &PerAxis<Position>, here: &PerAx
 fn beside_arc_mm(from: &PerAxis<Position>, arc: &Arc, here: &PerAxis<Position>) -> f64 {
     let plane = arc.plane.axes();
     let [first, second] = plane;
-    let [rise] = LINEAR.into_iter().filter(|axis| !plane.contains(axis)).collect::<Vec<_>>()[..] else {
-        return f64::INFINITY;
-    };
+    let Some(rise) = LINEAR.into_iter().find(|axis| !plane.contains(axis)) else { return f64::INFINITY };
     let seen = |place: &PerAxis<Position>| {
         let a = place[first.index()].mm_from(arc.center[0]);
         let b = place[second.index()].mm_from(arc.center[1]);
