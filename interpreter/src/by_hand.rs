@@ -15,6 +15,8 @@
 //! assert!(hand.in_force().contains("G91"));
 //! ```
 
+use gcode::canon::Units;
+use gcode::files::ToolTable;
 use gcode::{Diagnostic, Dialect, Options, Outlasting, Program};
 use machine::{Machine, ProgramDialect};
 use protocol::{Code, Item, PerAxis, Position};
@@ -102,6 +104,16 @@ impl ByHand {
     /// Number of the coordinate system in force, 1 (G54) to 9.
     pub fn system(&self) -> u8 {
         self.interpreter.program.system()
+    }
+
+    /// Units of the words of a block, and those of offsets and tools as they are kept.
+    pub fn units(&self) -> [Units; 2] {
+        [self.interpreter.program.units(), self.options.machine_units]
+    }
+
+    /// The tools as they are now, in machine units.
+    pub fn tools(&self) -> &ToolTable {
+        self.interpreter.program.tools()
     }
 
     /// Whether X words are diameters.

@@ -73,6 +73,7 @@ function show(news) {
   if (news.machine) jogs();
   if ("mode" in news || "by_hand" in news) hands();
   if ("by_hand" in news && !state.program?.text) text();
+  if (news.offsets || news.machine) offsets();
   if ("seat" in news) keys();
   $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}; ${state.words}` : state.words || "–";
   const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused" }[state.state];
@@ -196,6 +197,7 @@ function hands() {
   $("force").textContent = state.by_hand ? "in force: " + state.by_hand.in_force : "Switched on by hand, the machine jogs and takes blocks. Stop or abort switches it off.";
   $("hand-on").disabled = !may || state.mode !== "off";
   for (const key of document.querySelectorAll("#mdi button,#touch button,#turn button")) key.disabled = !ready;
+  for (const key of document.querySelectorAll("#offset button")) key.disabled = !ready && !(may && state.mode === "off");
   // A key that is held down stays one.
   for (const key of document.querySelectorAll("#jogs button")) key.disabled = !ready && jogging !== key;
 }
@@ -242,6 +244,50 @@ function letGo() {
   jogging = beats = null;
   ask("let-go");
   hands();
+}
+
+// Offsets and tools: X of a lathe is shown as a diameter.
+const across = (letter) => (letter === "X" && lathe() ? 2 : 1);
+function offsets() {
+  const all = state.offsets || {}, unit = all.units || "mm", letters = (state.machine?.axes || ["X", "Z"]).filter((name) => "XYZABC".includes(name));
+  $("kept").textContent = all.unknown || [all.parameters, all.tools].filter(Boolean).join(" · ") || "no parameter file, no tool table";
+  const title = (letter) => (across(letter) === 2 ? letter + "⌀" : letter), words = [...letters, ...(lathe() ? ["D", "Q"] : ["D"])];
+  const head = (table, names) => {
+    const row = document.createElement("tr");
+    for (const name of names) { const cell = document.createElement("th"); cell.textContent = name; row.append(cell); }
+    $(table).tHead.replaceChildren(row);
+  };
+  head("systems", ["Zero", ...letters.map(title)]);
+  head("tools", ["Tool", ...words.map(title), ""]);
+  const value = (row, letter) => (letter === "Q" ? row.Q : number(across(letter) * row[letter], unit === "inch" ? 5 : 4));
+  const used = (all.systems || []).filter((row, at) => at < 2 || row.name === all.in_force || Object.values(row).some((value) => typeof value === "number" && value));
+  fill($("systems"), used.map((row) => [row.name + (row.name === all.in_force ? " in force" : ""), ...letters.map((letter) => value(row, letter))]));
+  fill($("tools"), (all.tool_offsets || []).map((row) => ["T" + row.number, ...words.map((letter) => value(row, letter)), row.comment]));
+  const choose = (id, names) => {
+    const before = $(id).value;
+    $(id).replaceChildren(...names.map(([value, text]) => new Option(text, value)));
+    if (names.some(([value]) => value === before)) $(id).value = before;
+  };
+  const tools = (all.tool_offsets || []).map((row) => ["T" + row.number, "T" + row.number]);
+  choose("offset-of", [...tools, ...(all.systems || []).map((row) => [row.name, row.name])]);
+  choose("touch-into", [["", all.in_force || "G54"], ...tools.map(([name]) => [name.slice(1), name])]);
+  for (const [table, of] of [["systems", used.map((row) => row.name)], ["tools", tools.map(([name]) => name)]])
+    [...$(table).tBodies[0].rows].forEach((row, at) => { row.onclick = () => { $("offset-of").value = of[at]; chosen(); }; });
+  chosen();
+}
+function chosen() {
+  const of = $("offset-of").value, all = state.offsets || {}, tool = of.startsWith("T"), before = $("offset-word").value;
+  const letters = (state.machine?.axes || ["X", "Z"]).filter((name) => "XYZABC".includes(name)), words = tool ? [...letters, "D", "I", "J", "Q"] : [...letters, "R"];
+  $("offset-word").replaceChildren(...words.map((letter) => new Option(across(letter) === 2 ? "X⌀" : letter, letter)));
+  if (words.includes(before)) $("offset-word").value = before;
+  for (const row of document.querySelectorAll(".pair tbody tr")) row.className = row.cells[0].textContent.split(" ")[0] === of ? "now" : "";
+  const when = tool ? `, in force from its next ${state.machine?.kinematics === "lathe" ? "G43 or T word" : "G43"}` : "";
+  $("offset-note").textContent = of ? `${of} in ${all.units || "mm"}${when}. A part that is 0.05 too thick: correct X⌀ of the tool by −0.05.` : "";
+  $("offset-note").hidden = !of || !lathe();
+}
+function setOffset(how) {
+  const letter = $("offset-word").value;
+  press("offset", { of: $("offset-of").value, [how]: { [letter]: Number($("offset-value").value) / across(letter) } });
 }
 
 // Views: a lathe has X over Z, others X–Y, X–Z and Y–Z.
@@ -342,7 +388,10 @@ function view(canvas, right, up, here, height) {
 
 for (const key of document.querySelectorAll("[data-do]")) key.onclick = () => press(key.dataset.do);
 $("mdi").onsubmit = (event) => { event.preventDefault(); press("mdi", $("block").value); };
-$("touch").onsubmit = (event) => { event.preventDefault(); press("touch-off", { axis: $("touch-axis").value, value: Number($("touch-value").value) }); };
+$("touch").onsubmit = (event) => { event.preventDefault(); const into = $("touch-into").value; press("touch-off", { axis: $("touch-axis").value, value: Number($("touch-value").value), ...(into && { tool: Number(into) }) }); };
+$("offset").onsubmit = (event) => { event.preventDefault(); setOffset("set"); };
+$("offset-add").onclick = () => setOffset("add");
+$("offset-of").onchange = chosen;
 $("turn").onsubmit = (event) => { event.preventDefault(); press("spindle", Number($("turn-rpm").value)); };
 $("turn-stop").onclick = () => press("spindle", 0);
 window.onblur = letGo;

@@ -1,6 +1,8 @@
 //! What can be asked of work by hand. In: the value of a request. Out: what it asks for, or what it should
 //! have been. What the machine makes of it is its own affair.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -8,6 +10,9 @@ use crate::wire::HandAsked;
 
 /// Most characters of a block.
 const LONGEST_BLOCK: usize = 512;
+
+/// Longest name of a coordinate system or a tool.
+const LONGEST_NAME: usize = 12;
 
 type Read = Result<HandAsked, &'static str>;
 
@@ -57,13 +62,39 @@ pub(crate) fn jog(value: &Value) -> Read {
 struct TouchOff {
     axis: String,
     value: f64,
+    tool: Option<u32>,
 }
 
 /// Where an axis stands is this value.
 pub(crate) fn touch_off(value: &Value) -> Read {
-    let TouchOff { axis, value } = Deserialize::deserialize(value)
-        .map_err(|_| "value is {axis, value}, the value in units of the program")?;
-    if value.abs() < 1e6 { Ok(HandAsked::TouchOff { axis, value }) } else { Err("value is below 1000000") }
+    let TouchOff { axis, value, tool } = Deserialize::deserialize(value)
+        .map_err(|_| "value is {axis, value} or {axis, value, tool}, the value in units of the program")?;
+    if value.abs() < 1e6 {
+        Ok(HandAsked::TouchOff { axis, value, tool })
+    } else {
+        Err("value is below 1000000")
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Offset {
+    of: String,
+    set: Option<BTreeMap<char, f64>>,
+    add: Option<BTreeMap<char, f64>>,
+}
+
+/// Words of a coordinate system or a tool are set, or added to what is there.
+pub(crate) fn offset(value: &Value) -> Read {
+    let what = "value is {of, set} or {of, add}: of G54 to G59.3 or a tool as T3, and words as {\"X\": -12.4, \"Z\": 3}";
+    let Offset { of, set, add } = Deserialize::deserialize(value).map_err(|_| what)?;
+    let adds = add.is_some();
+    match (set, add) {
+        (Some(words), None) | (None, Some(words)) if !words.is_empty() && of.len() <= LONGEST_NAME => {
+            Ok(HandAsked::Offset { of, words: words.into_iter().collect(), add: adds })
+        }
+        _ => Err(what),
+    }
 }
 
 /// The spindle turns.

@@ -33,7 +33,7 @@ pub enum Does {
 }
 
 /// Every word, in the order of the documentation.
-pub const DOES: [(&str, Does); 21] = [
+pub const DOES: [(&str, Does); 22] = [
     ("start", Does::Button(Request::CycleStart)),
     ("hold", Does::Button(Request::FeedHold)),
     ("stop", Does::Button(Request::Stop)),
@@ -52,6 +52,7 @@ pub const DOES: [(&str, Does); 21] = [
     ("jog-on", Does::Hand(by_hand::jog_on)),
     ("let-go", Does::Button(Request::Jog(false))),
     ("touch-off", Does::Hand(by_hand::touch_off)),
+    ("offset", Does::Hand(by_hand::offset)),
     ("spindle", Does::Hand(by_hand::spindle)),
     ("home", Does::NotYet),
     ("tool-change", Does::NotYet),
@@ -186,7 +187,8 @@ mod tests {
                 Does::Hand(_) => match word {
                     "mdi" => ",\"value\":\"G0 X1\"",
                     "jog" => ",\"value\":{\"axis\":\"Z\",\"mm_min\":5,\"way\":\"-\"}",
-                    "touch-off" => ",\"value\":{\"axis\":\"Z\",\"value\":-2.5}",
+                    "touch-off" => ",\"value\":{\"axis\":\"Z\",\"value\":-2.5,\"tool\":3}",
+                    "offset" => ",\"value\":{\"of\":\"T3\",\"add\":{\"X\":-0.025}}",
                     "spindle" => ",\"value\":-300",
                     _ => "",
                 },
@@ -204,7 +206,10 @@ mod tests {
                         "mdi" => HandAsked::Block("G0 X1".into()),
                         "jog" => HandAsked::Jog { axis: "Z".into(), positive: false, mm_min: 5.0 },
                         "jog-on" => HandAsked::JogOn,
-                        "touch-off" => HandAsked::TouchOff { axis: "Z".into(), value: -2.5 },
+                        "touch-off" => HandAsked::TouchOff { axis: "Z".into(), value: -2.5, tool: Some(3) },
+                        "offset" => {
+                            HandAsked::Offset { of: "T3".into(), words: vec![('X', -0.025)], add: true }
+                        }
                         _ => HandAsked::Spindle(-300.0),
                     };
                     assert_eq!(press.hand, Some(wanted), "{word}");
@@ -245,6 +250,16 @@ mod tests {
             ("{\"id\":1,\"do\":\"feed-override\",\"as\":\"me\",\"value\":200.1}", "bad-value"),
             ("{\"id\":1,\"do\":\"rapid-override\",\"as\":\"me\",\"value\":101}", "bad-value"),
             ("{\"id\":1,\"do\":\"feed-override\",\"as\":\"me\",\"value\":1e999}", "bad-request"),
+            ("{\"id\":1,\"do\":\"offset\",\"as\":\"me\",\"value\":{\"of\":\"T3\"}}", "bad-value"),
+            ("{\"id\":1,\"do\":\"offset\",\"as\":\"me\",\"value\":{\"of\":\"T3\",\"set\":{}}}", "bad-value"),
+            (
+                "{\"id\":1,\"do\":\"offset\",\"as\":\"me\",\"value\":{\"of\":\"T3\",\"set\":{\"X\":\"1\"}}}",
+                "bad-value",
+            ),
+            (
+                "{\"id\":1,\"do\":\"offset\",\"as\":\"me\",\"value\":{\"of\":\"T3\",\"set\":{\"X\":1},\"add\":{\"X\":1}}}",
+                "bad-value",
+            ),
             ("{\"id\":1,\"do\":\"format\",\"as\":\"me\"}", "unknown"),
         ];
         for (text, code) in cases {

@@ -73,6 +73,18 @@ pub enum HandAsked {
         axis: String,
         /// The value.
         value: f64,
+        /// The offset of this tool becomes so, and not the zero of the coordinate system.
+        #[serde(default)]
+        tool: Option<u32>,
+    },
+    /// Words of a coordinate system or a tool are set, in units of the machine, X as a radius.
+    Offset {
+        /// `G54` to `G59.3`, or `T` and a number.
+        of: String,
+        /// Letters and values.
+        words: Vec<(char, f64)>,
+        /// They are added to what is there.
+        add: bool,
     },
     /// The spindle turns at this speed, 1/min; negative counterclockwise, 0 not at all.
     Spindle(f64),

@@ -16,20 +16,19 @@
 //! ```
 
 mod said;
+mod shown;
 
-use std::{
-    collections::BTreeMap,
-    fmt::Write as _,
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::{collections::BTreeMap, fmt::Write as _, path::PathBuf, process::ExitCode};
 
 use clap::{Args, Subcommand};
 use gcode::canon::Units;
 use gcode::files::{Changes, MachineFile, ParameterFile, Tool, ToolTable};
+use interpreter::Language;
+use machine::Machine;
 use process::shell::LanguageArgs;
-use said::{OF_SYSTEM, SYSTEMS, Set, Target};
-use serde::Serialize;
+use said::{OF_SYSTEM, SYSTEMS};
+pub(crate) use said::{Set, Target, can_be, line};
+pub(crate) use shown::Limits;
 
 use crate::{
     args::{MachineArgs, Shop},
@@ -109,11 +108,15 @@ struct Files {
 /// The coordinate system in force; the first parameter of the first system follows it.
 const IN_FORCE: u32 = 5220;
 
-/// The files, read.
-struct Table {
-    parameters: Option<(PathBuf, ParameterFile)>,
-    tools: Option<(PathBuf, ToolTable)>,
-    units: Units,
+/// What is set, with the files that hold it, if any does.
+pub(crate) struct Table {
+    /// Parameters, in units of the machine; none where nothing says any.
+    pub(crate) parameters: Option<ParameterFile>,
+    /// Tools, likewise.
+    pub(crate) tools: Option<ToolTable>,
+    /// The files of both.
+    pub(crate) files: [Option<PathBuf>; 2],
+    pub(crate) units: Units,
     reference_points: Vec<(u32, f64)>,
 }
 
@@ -124,7 +127,7 @@ pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliEr
             screen::print(&if *json { table.document()? } else { table.lines() });
         }
         What::Set { target, words, add, files } => {
-            let sets = said::line(target, words.iter().map(String::as_str)).map_err(CliError::Input)?;
+            let sets = line(target, words.iter().map(String::as_str)).map_err(CliError::Input)?;
             change(files, quiet, sets, *add)?;
         }
         What::Load { from, files } => {
@@ -139,12 +142,13 @@ pub(crate) fn offsets(args: &OffsetsArgs, quiet: bool) -> Result<ExitCode, CliEr
 /// Sets words. What is there is read when nobody else changes it.
 fn change(files: &Files, quiet: bool, sets: Vec<Set>, add: bool) -> Result<(), CliError> {
     let mut changes = Changes::default();
-    said::can_be(&sets, add).map_err(CliError::Input)?;
+    can_be(&sets, add).map_err(CliError::Input)?;
     let table = Table::read(files, quiet, Some(&mut changes))?;
     table.set(sets, add, &mut changes)?;
     changes.put().map_err(wrong)
 }
 
+/// Where a word of a coordinate system stands.
 fn parameter(system: usize, letter: char) -> u32 {
     let place = OF_SYSTEM.iter().position(|known| *known == letter).unwrap_or(0) as u32;
     // Nine axes come before the rotation.
@@ -166,50 +170,78 @@ impl Table {
             let paths = language.parameters.iter().chain(&language.tools);
             paths.into_iter().try_for_each(|path| claim(changes, path))?;
         }
-        let parameters = language.parameters.map(|path| Ok((ParameterFile::read(&path)?, path)));
-        let tools = language.tools.map(|path| {
-            let table = if path.exists() { ToolTable::read(&path)? } else { ToolTable::default() };
-            Ok((table, path))
-        });
+        Table::of(&language.language(), &machine, units)
+    }
+
+    /// Reads those that a language names.
+    pub(crate) fn of(
+        language: &Language,
+        machine: &Machine,
+        units: Option<Units>,
+    ) -> Result<Table, CliError> {
+        let Language { parameters, tools, .. } = language;
+        let read = |path: &PathBuf| ParameterFile::read(path);
+        let table =
+            |path: &PathBuf| if path.exists() { ToolTable::read(path) } else { Ok(ToolTable::default()) };
         Ok(Table {
-            parameters: parameters.transpose().map_err(wrong)?.map(|(file, path)| (path, file)),
-            tools: tools.transpose().map_err(wrong)?.map(|(table, path)| (path, table)),
+            parameters: parameters.as_ref().map(read).transpose().map_err(wrong)?,
+            tools: tools.as_ref().map(table).transpose().map_err(wrong)?,
+            files: [parameters.clone(), tools.clone()],
             units: units.unwrap_or(Units::Millimetre),
-            reference_points: interpreter::reference_points(&machine),
+            reference_points: interpreter::reference_points(machine),
         })
     }
 
-    fn value(&self, number: u32) -> f64 {
-        let values = self.parameters.iter().flat_map(|(_, file)| &file.values);
+    /// What is set at a machine that is on.
+    pub(crate) fn in_force_now(
+        parameters: ParameterFile,
+        tools: ToolTable,
+        files: [Option<PathBuf>; 2],
+        units: Units,
+    ) -> Table {
+        Table { parameters: Some(parameters), tools: Some(tools), files, units, reference_points: Vec::new() }
+    }
+
+    /// A parameter; 0 where none is set.
+    pub(crate) fn value(&self, number: u32) -> f64 {
+        let values = self.parameters.iter().flat_map(|file| &file.values);
         values.clone().find(|(other, _)| *other == number).map_or(0.0, |(_, value)| *value)
     }
 
-    /// Sets words.
-    fn set(&self, sets: Vec<Set>, add: bool, changes: &mut Changes) -> Result<(), CliError> {
-        let (mut values, mut words) = (BTreeMap::new(), Vec::new());
-        for Set { target, letter, value } in sets {
-            match target {
-                Target::System(system) => {
-                    let number = parameter(system, letter);
-                    let before = values.get(&number).copied().unwrap_or(self.value(number));
-                    values.insert(number, if add { before + value } else { value });
-                }
+    /// Words as they will stand there: what is added to is looked up.
+    ///
+    /// # Errors
+    /// A tool to be added to is not there, or a diameter would be negative.
+    pub(crate) fn resolved(&self, sets: Vec<Set>, add: bool) -> Result<Vec<Set>, String> {
+        let one = |Set { target, letter, value }: Set| {
+            let before = match target {
+                Target::System(system) => self.value(parameter(system, letter)),
                 Target::Tool(number) => {
-                    let tool = self.tools.as_ref().and_then(|(_, table)| table.find(number));
+                    let tool = self.tools.as_ref().and_then(|table| table.find(number));
                     if add && tool.is_none() && self.tools.is_some() {
-                        let text = format!(
+                        return Err(format!(
                             "T{number} is not in the tool table: there is nothing to add to; leave out --add to enter it"
-                        );
-                        return Err(CliError::Input(text));
+                        ));
                     }
-                    let before = tool.map_or(0.0, |tool| word(tool, letter));
-                    let value = if add { before + value } else { value };
-                    if letter == 'D' && value < 0.0 {
-                        let text = format!("D of T{number} would be {value}: a diameter is 0 or more");
-                        return Err(CliError::Input(text));
-                    }
-                    words.push((number, letter, value));
+                    tool.map_or(0.0, |tool| word(tool, letter))
                 }
+            };
+            let value = if add { before + value } else { value };
+            if letter == 'D' && value < 0.0 {
+                return Err(format!("D of {} would be {value}: a diameter is 0 or more", target.name()));
+            }
+            Ok(Set { target, letter, value })
+        };
+        sets.into_iter().map(one).collect()
+    }
+
+    /// Sets words.
+    pub(crate) fn set(&self, sets: Vec<Set>, add: bool, changes: &mut Changes) -> Result<(), CliError> {
+        let (mut values, mut words) = (BTreeMap::new(), Vec::new());
+        for Set { target, letter, value } in self.resolved(sets, add).map_err(CliError::Input)? {
+            match target {
+                Target::System(system) => drop(values.insert(parameter(system, letter), value)),
+                Target::Tool(number) => words.push((number, letter, value)),
             }
         }
         let missing = |what: &str, option: &str, key: &str| {
@@ -218,8 +250,7 @@ impl Table {
             );
             CliError::Input(text)
         };
-        let parameters = self.parameters.as_ref().map(|(path, _)| path);
-        let tools = self.tools.as_ref().map(|(path, _)| path);
+        let [parameters, tools] = self.files.each_ref().map(Option::as_ref);
         if !values.is_empty() && parameters.is_none() {
             return Err(missing("parameter file", "--parameters", "parameters"));
         }
@@ -250,7 +281,7 @@ impl Table {
     fn lines(&self) -> String {
         let mut text = String::new();
         // A string takes everything.
-        if let Some((path, _)) = &self.parameters {
+        if let [Some(path), _] = &self.files {
             let _ = writeln!(
                 text,
                 "; {}: {}, X a radius, {} in force",
@@ -265,7 +296,7 @@ impl Table {
                 let _ = writeln!(text, "{name:<5} {}", words.join(" "));
             }
         }
-        if let Some((path, table)) = &self.tools {
+        if let ([_, Some(path)], Some(table)) = (&self.files, &self.tools) {
             let _ = writeln!(text, "; {}: {}, X a radius", path.display(), self.unit());
             for tool in table.iter() {
                 let words = tool.words();
@@ -283,58 +314,11 @@ impl Table {
     }
 
     fn document(&self) -> Result<String, CliError> {
-        let systems = SYSTEMS.iter().enumerate().map(|(system, name)| System {
-            name,
-            words: OF_SYSTEM.map(|letter| (letter, self.value(parameter(system, letter)))).into(),
-        });
-        let tools = self.tools.iter().flat_map(|(_, table)| table.iter()).map(|tool| OfTool {
-            number: tool.number,
-            pocket: tool.pocket,
-            words: tool.words().into(),
-            comment: &tool.comment,
-        });
-        let path = |path: &Path| path.display().to_string();
-        let document = Document {
-            version: 1,
-            units: self.unit(),
-            parameters: self.parameters.as_ref().map(|(file, _)| path(file)),
-            tools: self.tools.as_ref().map(|(file, _)| path(file)),
-            in_force: self.in_force(),
-            systems: systems.collect(),
-            tool_offsets: tools.collect(),
-        };
-        let text = serde_json::to_string_pretty(&document);
+        let text = serde_json::to_string_pretty(&self.shown(usize::MAX));
         Ok(text.map_err(|error| CliError::Machine(error.to_string()))? + "\n")
     }
 }
 
 fn word(tool: &Tool, letter: char) -> f64 {
     tool.words().iter().find(|(known, _)| *known == letter).map_or(0.0, |(_, value)| *value)
-}
-
-#[derive(Serialize)]
-struct Document<'a> {
-    version: u32,
-    units: &'a str,
-    parameters: Option<String>,
-    tools: Option<String>,
-    in_force: &'a str,
-    systems: Vec<System<'a>>,
-    tool_offsets: Vec<OfTool<'a>>,
-}
-
-#[derive(Serialize)]
-struct System<'a> {
-    name: &'a str,
-    #[serde(flatten)]
-    words: BTreeMap<char, f64>,
-}
-
-#[derive(Serialize)]
-struct OfTool<'a> {
-    number: i32,
-    pocket: i32,
-    #[serde(flatten)]
-    words: BTreeMap<char, f64>,
-    comment: &'a str,
 }

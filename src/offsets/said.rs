@@ -13,13 +13,13 @@ pub(super) const OF_SYSTEM: [char; 7] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'R'];
 
 /// What a line sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Target {
+pub(crate) enum Target {
     System(usize),
     Tool(i32),
 }
 
 impl Target {
-    fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         match self {
             Target::System(system) => SYSTEMS[system].to_owned(),
             Target::Tool(number) => format!("T{number}"),
@@ -28,10 +28,10 @@ impl Target {
 }
 
 /// One word of a line.
-pub(super) struct Set {
-    pub(super) target: Target,
-    pub(super) letter: char,
-    pub(super) value: f64,
+pub(crate) struct Set {
+    pub(crate) target: Target,
+    pub(crate) letter: char,
+    pub(crate) value: f64,
 }
 
 /// What the lines of a file set.
@@ -54,7 +54,7 @@ pub(super) fn loaded(from: &Path) -> Result<Vec<Set>, CliError> {
 }
 
 /// What a line sets.
-pub(super) fn line<'a>(name: &str, words: impl Iterator<Item = &'a str>) -> Result<Vec<Set>, String> {
+pub(crate) fn line<'a>(name: &str, words: impl Iterator<Item = &'a str>) -> Result<Vec<Set>, String> {
     let upper = name.to_ascii_uppercase();
     let number = upper.strip_prefix('T').and_then(|number| number.parse().ok()).filter(|number| *number > 0);
     let target = match (SYSTEMS.iter().position(|system| *system == upper), number) {
@@ -91,7 +91,7 @@ fn one(target: Target, name: &str, word: &str) -> Result<Set, String> {
 ///
 /// # Errors
 /// One stands twice, is an angle beyond a turn, or cannot be added to.
-pub(super) fn can_be(sets: &[Set], add: bool) -> Result<(), String> {
+pub(crate) fn can_be(sets: &[Set], add: bool) -> Result<(), String> {
     for (n, Set { target, letter, value }) in sets.iter().enumerate() {
         let name = target.name();
         if sets[..n].iter().any(|set| (set.target, set.letter) == (*target, *letter)) {

@@ -1,7 +1,7 @@
 //! Work by hand at the panel. In: what somebody asks for. Out: machine code and requests for the machine,
 //! or why there are none; what is shown of it.
 
-use ::panel::HandAsked;
+use ::panel::{HandAsked, ToPanel};
 use protocol::{Item, operator::Request};
 use serde_json::{Map, Value, json};
 
@@ -10,6 +10,7 @@ use super::{
     live::Live,
     mode::{Doing, Mode, Press},
     session::Who,
+    tables,
 };
 use crate::{error::CliError, run::Setup};
 
@@ -32,6 +33,7 @@ impl Live {
         let press = match asked {
             HandAsked::On => Press::Hand,
             HandAsked::JogOn => Press::JogOn,
+            HandAsked::Offset { .. } => Press::Table,
             _ => Press::Block,
         };
         let Some(hand) = self.hand.as_mut().filter(|_| self.mode.refuses(press).is_none()) else {
@@ -46,7 +48,10 @@ impl Live {
             return send(Request::Jog(true), Who::Panel(ticket));
         }
         match hand.give(asked) {
-            Err(why) => self.refuse(ticket, "bad-block", &why),
+            Err(why) => {
+                let code = if press == Press::Table { "bad-offset" } else { "bad-block" };
+                self.refuse(ticket, code, &why);
+            }
             Ok(Given { items: given, jogs, text }) => {
                 items.extend(given);
                 // The key is pressed before the jog begins.
@@ -55,8 +60,26 @@ impl Live {
                 }
                 send(Request::Block, Who::Panel(ticket));
                 self.session.gives(text);
+                let table = hand.table(self.tables.files());
+                self.shows_tables(tables::shown(Ok(table)));
                 self.mode = if jogs { Mode::Jog } else { Mode::Mdi };
             }
+        }
+    }
+
+    /// Somebody sets words of a coordinate system or a tool while the machine is off.
+    pub(super) fn sets_when_off(&mut self, ticket: u64, of: &str, words: &[(char, f64)], add: bool) {
+        match self.tables.set(of, words, add) {
+            Ok(()) => self.web.link.answer(&ToPanel::Taken { ticket, cycle: 0 }),
+            Err(why) => self.refuse(ticket, "bad-offset", &why),
+        }
+        self.shows_tables(self.tables.kept());
+    }
+
+    /// Offsets and tools are these now.
+    pub(super) fn shows_tables(&mut self, shown: Value) {
+        if self.still.get("offsets") != Some(&shown) {
+            self.stands(Map::from_iter([("offsets".to_owned(), shown)]));
         }
     }
 

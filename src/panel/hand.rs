@@ -7,14 +7,18 @@
 //! goes on while its key is pressed. So limits, laws and overrides are those of every move, and a session is
 //! a machine-code file that can be run again.
 
+use std::path::PathBuf;
+
 use ::panel::HandAsked;
+use gcode::canon::Units;
 use interpreter::{ByHand as Reader, Language};
 use machine::{AxisConfig, Machine};
 use motion::Exit;
 use protocol::{Axis, ByHand, Code, CodePacket, Feed, Item, MachineState, PerAxis, Position};
 use rig::observe::Record;
 
-use super::mode::Doing;
+use super::{mode::Doing, tables::typed};
+use crate::offsets::{Set, Table, Target};
 
 /// A jog comes to rest in so long, s: with the time for which its key stays pressed with nobody to confirm
 /// it, 0.08 s, and the way of a setpoint to the axis, less than 0.15 s.
@@ -116,7 +120,10 @@ impl Hand {
         let given = match asked {
             HandAsked::Block(text) => self.block(text, &at)?,
             HandAsked::Spindle(rpm) => self.block(&self.spindle(*rpm)?, &at)?,
-            HandAsked::TouchOff { axis, value } => self.block(&self.touch_off(axis, *value)?, &at)?,
+            HandAsked::TouchOff { axis, value, tool } => {
+                self.block(&self.touch_off(axis, *value, *tool)?, &at)?
+            }
+            HandAsked::Offset { of, words, add } => self.block(&self.offset(of, words, *add)?, &at)?,
             HandAsked::Step { axis, mm, mm_min } => {
                 let (axis, config) = self.axis(axis)?;
                 let target = at[axis.index()].moved(*mm);
@@ -208,16 +215,64 @@ impl Hand {
         }
     }
 
-    /// The block that makes a place of an axis this value of the coordinate system in force.
-    fn touch_off(&self, axis: &str, value: f64) -> Result<String, String> {
+    /// The block that makes a place of an axis this value of the coordinate system in force: its zero, or the
+    /// offset of a tool, becomes so.
+    fn touch_off(&self, axis: &str, value: f64, tool: Option<u32>) -> Result<String, String> {
         let (axis, _) = self.axis(axis)?;
         if self.reader.is_fanuc() {
             return Err(
                 "touching off is G10 L20, which FANUC does not have: set the offset with G10 L2".into()
             );
         }
-        Ok(format!("G10 L20 P{} {}{value:.6}", self.reader.system(), axis.name().to_ascii_uppercase()))
+        let (l, p) = tool.map_or((20, u32::from(self.reader.system())), |tool| (10, tool));
+        Ok(format!("G10 L{l} P{p} {}{value:.6}", axis.name().to_ascii_uppercase()))
     }
+
+    /// Offsets and tools as they are now; `files` are those that keep them.
+    pub(crate) fn table(&self, files: [Option<PathBuf>; 2]) -> Table {
+        let [_, units] = self.reader.units();
+        Table::in_force_now(self.reader.outlasting().parameters, self.reader.tools().clone(), files, units)
+    }
+
+    /// The block that sets words of a coordinate system or a tool.
+    fn offset(&self, of: &str, words: &[(char, f64)], add: bool) -> Result<String, String> {
+        let table = self.table([None, None]);
+        let sets = typed(of, words, add, &table, &self.machine)?;
+        let [program, kept] = self.reader.units();
+        let length = match (program, kept) {
+            (Units::Inch, Units::Millimetre) => 1.0 / 25.4,
+            (Units::Millimetre, Units::Inch) => 25.4,
+            _ => 1.0,
+        };
+        let across = if self.reader.x_is_diameter() { 2.0 } else { 1.0 };
+        let target = sets[0].target;
+        let head = match target {
+            Target::System(system) => format!("G10 L2 P{}", system + 1),
+            Target::Tool(_) if self.reader.is_fanuc() => {
+                let why = "FANUC has no block that sets a tool here: switch the machine off and set it then";
+                return Err(why.into());
+            }
+            Target::Tool(number) => format!("G10 L1 P{number}"),
+        };
+        let word = |Set { letter, value, .. }: &Set| match (letter, target) {
+            ('U' | 'V' | 'W', _) => {
+                Err(format!("{letter} is set while the machine is off: no block sets it"))
+            }
+            // A tool has its radius in that block.
+            ('D', _) => Ok(format!("R{}", decimal(0.5 * value * length))),
+            ('X', _) => Ok(format!("X{}", decimal(value * length * across))),
+            ('Y' | 'Z', _) => Ok(format!("{letter}{}", decimal(value * length))),
+            _ => Ok(format!("{letter}{}", decimal(*value))),
+        };
+        let words: Vec<_> = sets.iter().map(word).collect::<Result<_, _>>()?;
+        Ok(format!("{head} {}", words.join(" ")))
+    }
+}
+
+/// A number of a block, to a millionth of a micrometre.
+fn decimal(value: f64) -> String {
+    let text = format!("{value:.9}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A feed of a jog.

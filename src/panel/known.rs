@@ -3,10 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use ::panel::Point;
+use ::panel::{MachineSeen, Point, ProgramSeen};
+use machine::Machine;
+use process::shell::Pace;
 use protocol::{MachineState, MachineStatus, PerAxis};
+use rig::observe::Observer;
 
-use super::plan::Plan;
+use super::{hand::fastest_jog, plan::Plan};
 use crate::run::Setup;
 
 /// What is known before.
@@ -64,4 +67,48 @@ impl Known {
         let of_pass = by_pass.get(&machine.pass).filter(|_| machine.state() == MachineState::Threading);
         of_pass.or_else(|| by_tool.get(&machine.tool)).copied()
     }
+}
+
+/// What stays the same during a run.
+pub(super) fn stays(setup: &Setup, observer: &Observer, text: Option<String>) -> (ProgramSeen, MachineSeen) {
+    let Setup { machine, program, folder, .. } = setup;
+    let notes = program.check.as_ref();
+    let origin_mm = notes.and_then(|check| {
+        let of_pass = check.passes.first().map(|note| note.origin_mm);
+        of_pass.or_else(|| check.origins_mm.values().next().copied())
+    });
+    let name = folder.program.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let program = ProgramSeen {
+        name,
+        text,
+        passes: program.passes(),
+        time_s: program.time_s,
+        folder: folder.path.display().to_string(),
+    };
+    let stock = observer.stock().and_then(|stock| serde_json::to_value(stock).ok());
+    (program, MachineSeen { stock, origin_mm, ..machine_seen(machine, setup.pace) })
+}
+
+/// What is always seen of a machine.
+pub(super) fn machine_seen(machine: &Machine, pace: Pace) -> MachineSeen {
+    let axes: Vec<_> = machine.axes().collect();
+    MachineSeen {
+        name: machine.general.name.clone(),
+        kinematics: machine.general.kinematics.name().into(),
+        axes: axes.iter().map(|(axis, _)| axis.name().to_ascii_uppercase()).collect(),
+        travel: axes.iter().map(|(_, config)| config.travel_mm).collect(),
+        cycle_s: machine.general.cycle_s,
+        max_rpm: machine.spindle.max_rpm,
+        pace: pace.to_string(),
+        stock: None,
+        origin_mm: None,
+        flanks_deg: flanks_deg(machine),
+        fastest_jog: axes.iter().map(|(_, config)| fastest_jog(config)).collect(),
+    }
+}
+
+/// Angle between the flanks of tools, degrees, by number; at 0 that of the machine file.
+fn flanks_deg(machine: &Machine) -> BTreeMap<u32, f64> {
+    let of = machine.tools.iter().filter_map(|(number, tool)| Some((number.parse().ok()?, tool.angle_deg?)));
+    std::iter::once((0, 2.0 * machine.threading.flank_half_angle_deg)).chain(of).collect()
 }

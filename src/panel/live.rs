@@ -1,10 +1,9 @@
 //! The panel of a machine, as the launcher has it. In: every control cycle, presses. Out: what is shown,
 //! requests for the machine, answers. It never waits for anybody.
 
-use std::{collections::BTreeMap, path::Path, time::Duration};
+use std::{path::Path, time::Duration};
 
 use ::panel::{HandAsked, MachineSeen, Point, ProgramSeen, ToPanel};
-use machine::Machine;
 use process::ipc::time::Moment;
 use protocol::{Arrival, Input, Item, Taken, operator::Request};
 use rig::observe::{Observer, Record, Summary};
@@ -12,17 +11,15 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{
-    hand::{Hand, fastest_jog},
+    hand::Hand,
     known::Known,
     mode::{Mode, Press},
     session::{Session, Who, request},
+    tables::Tables,
     view::{self, Counts},
     web::Web,
 };
-use crate::{
-    error::CliError,
-    run::{Setup, folder::PRESSES},
-};
+use crate::{error::CliError, run::folder::PRESSES};
 
 /// Control cycles between two looks at the way of the tool, and at whether something is to be shown.
 const EVERY: u64 = 16;
@@ -42,10 +39,10 @@ const REQUESTS_OF_A_PRESS: usize = 2;
 pub(crate) struct Live {
     /// The command ends with the run.
     pub(crate) ends_with_its_run: bool,
-    web: Web,
+    pub(super) web: Web,
     pub(super) session: Session,
     /// What stays the same during a run, to be told again to a panel that was started again.
-    still: Map<String, Value>,
+    pub(super) still: Map<String, Value>,
     known: Known,
     /// Turns of the spindle, and the place of the tool, in the cycle before.
     turned: Option<(f64, Point)>,
@@ -64,6 +61,8 @@ pub(crate) struct Live {
     /// Work by hand, if the run is that.
     pub(super) hand: Option<Hand>,
     pub(super) mode: Mode,
+    /// Offsets and tools.
+    pub(super) tables: Tables,
 }
 
 fn fields(of: &impl Serialize) -> Map<String, Value> {
@@ -75,7 +74,7 @@ fn fields(of: &impl Serialize) -> Map<String, Value> {
 
 impl Live {
     /// Nothing runs yet.
-    pub(crate) fn new(web: Web, ends_with_its_run: bool) -> Live {
+    pub(crate) fn new(web: Web, ends_with_its_run: bool, tables: Tables) -> Live {
         Live {
             ends_with_its_run,
             web,
@@ -93,6 +92,7 @@ impl Live {
             last: Map::new(),
             hand: None,
             mode: Mode::Off,
+            tables,
         }
     }
 
@@ -261,10 +261,15 @@ impl Live {
             let wish = match &press.hand {
                 Some(HandAsked::On) => Press::Hand,
                 Some(HandAsked::JogOn) => Press::JogOn,
+                Some(HandAsked::Offset { .. }) => Press::Table,
                 Some(_) => Press::Block,
                 None if start => Press::Start,
                 None => Press::Always,
             };
+            if let (Press::Table, Some(HandAsked::Offset { of, words, add })) = (wish, &press.hand) {
+                self.sets_when_off(press.ticket, of, words, *add);
+                continue;
+            }
             match (self.mode.refuses(wish), wish) {
                 (Some(why), _) => self.refuse(press.ticket, "not-running", why),
                 (None, Press::Start) if !loaded => {
@@ -349,44 +354,4 @@ fn thinned(trail: &mut Vec<Point>) -> Vec<bool> {
     let mut which = kept.iter();
     trail.retain(|_| which.next().is_some_and(|kept| *kept));
     kept
-}
-
-/// What stays the same during a run.
-pub(crate) fn stays(setup: &Setup, observer: &Observer, text: Option<String>) -> (ProgramSeen, MachineSeen) {
-    let Setup { machine, program, folder, .. } = setup;
-    let axes: Vec<_> = machine.axes().collect();
-    let notes = program.check.as_ref();
-    let origin_mm = notes.and_then(|check| {
-        let of_pass = check.passes.first().map(|note| note.origin_mm);
-        of_pass.or_else(|| check.origins_mm.values().next().copied())
-    });
-    let name = folder.program.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    (
-        ProgramSeen {
-            name,
-            text,
-            passes: program.passes(),
-            time_s: program.time_s,
-            folder: folder.path.display().to_string(),
-        },
-        MachineSeen {
-            name: machine.general.name.clone(),
-            kinematics: machine.general.kinematics.name().into(),
-            axes: axes.iter().map(|(axis, _)| axis.name().to_ascii_uppercase()).collect(),
-            travel: axes.iter().map(|(_, config)| config.travel_mm).collect(),
-            cycle_s: machine.general.cycle_s,
-            max_rpm: machine.spindle.max_rpm,
-            pace: setup.pace.to_string(),
-            stock: observer.stock().and_then(|stock| serde_json::to_value(stock).ok()),
-            origin_mm,
-            flanks_deg: flanks_deg(machine),
-            fastest_jog: axes.iter().map(|(_, config)| fastest_jog(config)).collect(),
-        },
-    )
-}
-
-/// Angle between the flanks of tools, degrees, by number; at 0 that of the machine file.
-fn flanks_deg(machine: &Machine) -> BTreeMap<u32, f64> {
-    let of = machine.tools.iter().filter_map(|(number, tool)| Some((number.parse().ok()?, tool.angle_deg?)));
-    std::iter::once((0, 2.0 * machine.threading.flank_half_angle_deg)).chain(of).collect()
 }

@@ -9,6 +9,7 @@ mod live;
 mod mode;
 mod plan;
 mod session;
+mod tables;
 mod view;
 mod web;
 
@@ -28,13 +29,16 @@ use std::{
     time::Duration,
 };
 
-use process::ipc::time::{Moment, sleep_until};
+use process::{
+    ipc::time::{Moment, sleep_until},
+    shell::Pace,
+};
 use protocol::{Code, Item, code_file::CodeFile};
 use serde_json::json;
 
 pub(crate) use args::{HELP, PanelArgs, PanelCommandArgs};
-use known::Known;
-pub(crate) use live::{Live, stays};
+use known::{Known, machine_seen, stays};
+pub(crate) use live::Live;
 pub(crate) use session::Who;
 
 use crate::{
@@ -42,6 +46,7 @@ use crate::{
     run::{self, Prepared, RunArgs, interrupts::Interrupts},
     screen, words,
 };
+use tables::Tables;
 use web::Web;
 
 /// Between two looks while nothing runs.
@@ -59,7 +64,7 @@ impl Live {
         } else if !quiet || args.with_panel {
             words::say(&format!("panel: {url}#{token}\n"));
         }
-        Ok(Live::new(web, args.with_panel))
+        Ok(Live::new(web, args.with_panel, Tables::of(args)?))
     }
 
     /// Shows a run that is about to begin.
@@ -69,6 +74,7 @@ impl Live {
         let text = intake::text(&setup.folder.program, MOST_TEXT).ok();
         let (program, machine) = stays(setup, &observer, text);
         self.begins(&program, &machine, Known::of(setup));
+        self.shows_tables(self.tables.begun(&setup.folder.language));
         Ok(())
     }
 }
@@ -96,11 +102,14 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
         "switch it on, to work by hand".into()
     };
     let mut said = hint.clone();
+    let machine = json!({ "machine": machine_seen(live.tables.machine(), asked.pace.unwrap_or(Pace::ONE)) });
+    live.stands(machine.as_object().cloned().unwrap_or_default());
     if loaded {
         let shown = json!({ "program": { "name": name, "text": intake::text(&program, MOST_TEXT).ok() } });
         live.stands(shown.as_object().cloned().unwrap_or_default());
     }
     loop {
+        live.shows_tables(live.tables.kept());
         let ready = json!({ "state": "ready", "mode": "off", "words": said });
         live.stands(ready.as_object().cloned().unwrap_or_default());
         let wish = loop {

@@ -51,6 +51,8 @@ pub(crate) enum Press {
     Block,
     /// The jog key is confirmed.
     JogOn,
+    /// An offset or a tool is set.
+    Table,
 }
 
 impl Mode {
@@ -93,17 +95,26 @@ impl Mode {
     pub(crate) fn refuses(self, press: Press) -> Option<&'static str> {
         use Mode::{Auto, Faulted, Held, Jog, Mdi, Off, Ready, Stopping};
         match (self, press) {
-            (Off, Press::Start | Press::Hand) | (Ready, Press::Block) | (Jog, Press::JogOn) => None,
+            (Off, Press::Start | Press::Hand | Press::Table) => None,
+            (Ready, Press::Block | Press::Table) | (Jog, Press::JogOn) => None,
             (Off, Press::Block) => Some("the machine is off: by-hand switches it on for work by hand"),
             (Off, _) => Some("no program runs; start starts it"),
-            (Faulted, Press::Start | Press::Block) => Some("the machine is in fault, and goes off"),
-            (Stopping, Press::Start | Press::Block) => Some("the machine comes to rest, and goes off"),
+            (Faulted, Press::Start | Press::Block | Press::Table) => {
+                Some("the machine is in fault, and goes off")
+            }
+            (Stopping, Press::Start | Press::Block | Press::Table) => {
+                Some("the machine comes to rest, and goes off")
+            }
             (Ready, Press::Start) => Some("nothing is held: give a block, or jog"),
             (Jog, Press::Start) => Some("a jog goes on while its key is pressed"),
             (_, Press::Hand) => Some("the machine is on"),
             (_, Press::JogOn) => Some("no jog goes on: press jog again"),
             (Auto, Press::Block) => Some("a program runs: stop or abort ends it"),
-            (Mdi | Jog, Press::Block) => Some("a block is in hand: wait for its end"),
+            (Auto, Press::Table) => {
+                Some("a program runs, and was read with the offsets as they were: set them when it is over")
+            }
+            (Mdi | Jog, Press::Block | Press::Table) => Some("a block is in hand: wait for its end"),
+            (Held, Press::Table) => Some("the machine is held: offsets are set when it is ready, or off"),
             (Held, Press::Block) => Some("the machine is held: start goes on"),
             (_, Press::Always) | (Auto | Mdi | Held, Press::Start) => None,
         }
@@ -125,6 +136,7 @@ mod tests {
             ("by-hand", Press::Hand),
             ("a block, a jog", Press::Block),
             ("jog-on", Press::JogOn),
+            ("offset", Press::Table),
             ("all others", Press::Always),
         ];
         for (name, press) in presses {

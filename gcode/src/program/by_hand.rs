@@ -59,6 +59,11 @@ impl Program {
         format!("{} T{tool} F{} S{}", words.join(" "), short(modes.feed), short(spindle.speed))
     }
 
+    /// Units of the words of a block: G20 or G21.
+    pub fn units(&self) -> Units {
+        self.state.units.program()
+    }
+
     /// Number of the coordinate system in force, 1 (G54) to 9 (G59.3).
     pub fn system(&self) -> u8 {
         self.state.axes.system()

@@ -176,7 +176,7 @@ impl House {
 
 /// The codes that launchers refuse by.
 fn known(code: &str) -> &'static str {
-    const CODES: [&str; 5] = ["not-running", "too-many", "not-now", "bad-value", "bad-block"];
+    const CODES: [&str; 6] = ["not-running", "too-many", "not-now", "bad-value", "bad-block", "bad-offset"];
     CODES.into_iter().find(|known| *known == code).unwrap_or("refused")
 }
 

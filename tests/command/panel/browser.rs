@@ -234,3 +234,37 @@ fn a_browser_works_by_hand() {
     browser.until_text("mode", "off");
     assert!(place.at("session/by-hand.mc").is_file());
 }
+
+/// The wear of a tool from the page alone, while the machine is off: a diameter is typed, a radius kept.
+#[test]
+fn a_browser_corrects_a_tool() {
+    let place = Place::new();
+    fs::write(place.at("cut.ngc"), super::tables::CUT).expect("room");
+    fs::write(place.at("tool.tbl"), super::tables::TOOLS).expect("room");
+    let arguments = ["panel", "cut.ngc", "--tools", "tool.tbl", "--trace", "none", "--pace", "max"];
+    let panel = Panel::start(&place, &arguments);
+    let url = format!("http://{}/#{}", panel.address, panel.token);
+    let Some(mut browser) = Browser::open(&place, &url, 1200) else { return };
+    browser.until_text("tools", "-0.2000");
+    assert_eq!(browser.value("document.querySelector('#offset button').disabled"), true, "without the keys");
+    browser.click("#take");
+    browser.until_text("seat", "You hold the keys");
+    browser.click("#tools tbody tr:nth-child(2)");
+    browser.until_text("offset-note", "T3 in mm");
+    browser.value("document.getElementById('offset-value').value = '-50'");
+    browser.click("#offset-add");
+    browser.until_text("said", "is no correction");
+    browser.value("document.getElementById('offset-value').value = '-0.05'");
+    browser.click("#offset-add");
+    browser.until_text("tools", "-0.2500");
+    let kept = fs::read_to_string(place.at("tool.tbl")).expect("a table");
+    assert!(kept.contains("T3 P3 X-0.125 Z0.2 ;threading"), "{kept}");
+    browser.picture("panel-tools");
+    assert_eq!(browser.value(FITS), true);
+    browser.click("[data-do=start]");
+    browser.until_text("words", "completed");
+    let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
+    browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
+    assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
+    browser.picture("panel-tools-small");
+}

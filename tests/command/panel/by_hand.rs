@@ -9,7 +9,7 @@ use super::{client::Panel, watched::is_repeated};
 use crate::shop::{Place, signal, until};
 
 /// A machine that is switched on for work by hand.
-fn by_hand(place: &Place, more: &[&str]) -> Panel {
+pub(super) fn by_hand(place: &Place, more: &[&str]) -> Panel {
     let mut arguments = vec!["panel", "--out", "session"];
     arguments.extend(more);
     let panel = Panel::start(place, &arguments);
@@ -20,7 +20,7 @@ fn by_hand(place: &Place, more: &[&str]) -> Panel {
     panel
 }
 
-fn is_ready(panel: &Panel) {
+pub(super) fn is_ready(panel: &Panel) {
     until("the machine waits for a block", || {
         let state = panel.state();
         state["mode"] == "ready" && state["by_hand"]["waits"] == true
@@ -28,7 +28,7 @@ fn is_ready(panel: &Panel) {
 }
 
 /// Asks, and waits until the machine has done it.
-fn does(panel: &Panel, word: &str, value: impl Into<Value>) -> u64 {
+pub(super) fn does(panel: &Panel, word: &str, value: impl Into<Value>) -> u64 {
     let cycle = panel.turn(word, value);
     until("the block has begun", || panel.state()["cycle"].as_u64().is_some_and(|now| now > cycle));
     is_ready(panel);
@@ -36,7 +36,7 @@ fn does(panel: &Panel, word: &str, value: impl Into<Value>) -> u64 {
 }
 
 /// What a request is refused by, and why.
-fn refused(panel: &Panel, word: &str, value: Value) -> (String, String) {
+pub(super) fn refused(panel: &Panel, word: &str, value: Value) -> (String, String) {
     let answer = panel.ask(&json!({ "id": 1, "do": word, "as": "test", "value": value }));
     let text =
         |name: &str| answer[name].as_str().unwrap_or_else(|| panic!("{word} {value}: {answer}")).to_owned();
@@ -44,13 +44,13 @@ fn refused(panel: &Panel, word: &str, value: Value) -> (String, String) {
 }
 
 /// Commanded X and Z, mm of the machine.
-fn stands(panel: &Panel) -> [f64; 2] {
+pub(super) fn stands(panel: &Panel) -> [f64; 2] {
     let state = panel.state();
     [0, 1].map(|axis: usize| state["axes"][axis]["commanded_mm"].as_f64().expect("a place"))
 }
 
 /// Switches the machine off, ends the command and reads the summary.
-fn ended(place: &Place, panel: Panel) -> Summary {
+pub(super) fn ended(place: &Place, panel: Panel) -> Summary {
     panel.press("abort");
     until("it is off", || panel.state()["mode"] == "off");
     signal(panel.launcher.id(), "INT");
@@ -131,11 +131,12 @@ fn random(seed: &mut Seed) -> (&'static str, Value) {
     let axis = ["X", "Z"][seed.below(2)];
     let rpm = [0.0, 300.0, -200.0][seed.below(3)];
     let step = f64::from(seed.below(2000) as u32) * 1e-3 - 1.0;
-    match seed.below(8) {
+    match seed.below(9) {
         0..3 => ("jog", json!({ "axis": axis, "mm_min": 900, "step_mm": step + 0.0005 })),
         3..5 => ("mdi", json!(blocks[seed.below(blocks.len())])),
         5 => ("touch-off", json!({ "axis": axis, "value": step })),
         6 => ("spindle", json!(rpm)),
+        7 => ("offset", json!({ "of": "G54", "add": { axis: step } })),
         _ => ("feed-override", json!(50 + seed.below(100))),
     }
 }

@@ -5,5 +5,6 @@ mod browser;
 mod by_hand;
 mod client;
 mod hostile;
+mod tables;
 mod watched;
 mod written_api;
