@@ -123,8 +123,8 @@ fn what_no_offset_can_be_is_refused_and_changes_nothing() {
     }
 }
 
-/// By hand an offset is a block: it has its cycle, it acts on the next one, and it is kept when the machine is
-/// switched off.
+/// By hand an offset is a block: it has its cycle, it acts on the next one, and it is kept when the machine
+/// is switched off.
 #[test]
 fn an_offset_by_hand_has_its_cycle_acts_on_the_next_block_and_is_repeated() {
     let place = Place::new();
