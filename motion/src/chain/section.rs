@@ -184,8 +184,8 @@ impl Sections {
         true
     }
 
-    /// Goes on by `way` mm, within the front section or across its end. What is left of a section below
-    /// [`SAME`] is nothing.
+    /// Goes on by `way` mm, within the front section or across its end. A rest of it below [`SAME`] is none: the
+    /// next one begins so much earlier, so that what many sections leave does not add up.
     pub(super) fn go(&mut self, way: f64) {
         let mut left = way;
         while let Some(front) = self.ring.front_mut() {
@@ -194,8 +194,12 @@ impl Sections {
                 front.length -= left;
                 break;
             }
+            let short = (front.length - left).max(0.0);
             left = (left - front.length).max(0.0);
             self.ring.pop_front();
+            if let Some(next) = self.ring.front_mut() {
+                next.length += short;
+            }
             self.changed = self.changed.map(|changed| changed.saturating_sub(1));
         }
         self.total -= way;
