@@ -1,4 +1,5 @@
-//! A plan made anew at any step is the plan: same path, same end, same time within a cycle.
+//! A plan made anew at any step is as good as the plan: same path, same end, no later by more than a cycle. It
+//! may be a little earlier: a law that leaves a ramp for later (M184) may be left earlier for a better one.
 //!
 //! A change of an override that no block of the program goes by lets the chain plan again without asking for
 //! anything else.
@@ -8,6 +9,9 @@ use crate::rounded::Rounded;
 use crate::stand::{Stand, ask};
 use motion::chain::{Ask, Feed};
 use testing::{Seed, count};
+
+/// A plan made anew is earlier by one part in so many at most.
+const EARLIER: u64 = 2000;
 
 /// Asks for another value of a ratio that nothing goes by; false if every one is in use.
 fn turn_idle_knob(blocks: &[Line], ask: &mut Ask, random: &mut Seed) -> bool {
@@ -67,8 +71,9 @@ fn replanning_from_any_step_agrees() {
             let at = branch.ticks();
             let often = [0.0, 0.05, 1.0][(random.next() % 3) as usize];
             let ticks = replanned(branch, &blocks, often, &mut random);
-            let apart = ticks.abs_diff(stand.ticks());
-            assert!(apart <= 1, "program {number}: {ticks} cycles, not {}, from {at}", stand.ticks());
+            let plan = stand.ticks();
+            let as_good = plan - plan / EARLIER - 1..=plan + 1;
+            assert!(as_good.contains(&ticks), "program {number}: {ticks} cycles, not {plan}, from {at}");
             compared += 1;
         }
     }
