@@ -155,8 +155,9 @@ impl Allowance {
         [start, cap, end]: [f64; 3],
         least_s: f64,
     ) -> Option<(FeedBlock, Limits)> {
-        let mut best = (length, end, self.quickest(length, start, cap, end)?);
-        let (mut least, peak) = (best.2.time, best.2.peak);
+        let one = self.quickest(length, start, cap, end);
+        let (mut least, peak) = one.map_or((f64::INFINITY, start.max(end)), |law| (law.time, law.peak));
+        let mut best = one.map(|law| (length, end, law));
         let lower = (self.place(peak) + 1..SPEEDS).map(|k| self.at(k).v);
         for v in core::iter::once(start).chain(lower.clone()).filter(|v| end < *v && *v < peak) {
             let limits = self.up_to(v);
@@ -167,7 +168,7 @@ impl Allowance {
             }
             let Some(first) = self.quickest(rest, start, cap, v) else { continue };
             if first.time >= least_s && first.time + time < least * LEAST_GAIN {
-                (least, best) = (first.time + time, (rest, v, first));
+                (least, best) = (first.time + time, Some((rest, v, first)));
             }
         }
         for v in lower.filter(|v| start < *v && *v < peak) {
@@ -180,10 +181,10 @@ impl Allowance {
             let Some(second) = self.quickest(length - way, v, cap, end) else { continue };
             if second.time + time < least * LEAST_GAIN {
                 let first = Quickest { time, peak: v, limits, block: None };
-                (least, best) = (second.time + time, (way, v, first));
+                (least, best) = (second.time + time, Some((way, v, first)));
             }
         }
-        let (length, end, Quickest { limits, block, .. }) = best;
+        let (length, end, Quickest { limits, block, .. }) = best?;
         let block = match block {
             Some(block) => block,
             None => FeedBlock::plan(length, start, cap, end, &limits).ok()?,

@@ -260,10 +260,9 @@ impl<const N: usize, T: Copy> Chain<N, T> {
                 exit = exit.min(reach(0.0, exit, way - length, &self.tightest(gone + way, exit)));
             }
         }
-        if limits.way(v, exit) > length * (1.0 + 1e-12) {
-            exit = nearest_exit(v, exit, front.exit_hard, length, limits);
-        }
-        let (block, limits) = limits.block(length, [v, cap.max(v).max(exit), exit], self.settings.cycle_s)?;
+        let plan = |exit: f64| limits.block(length, [v, cap.max(v).max(exit), exit], self.settings.cycle_s);
+        let (block, limits) =
+            plan(exit).or_else(|| plan(nearest_exit(v, exit, front.exit_hard, length, limits)))?;
         let [end, way] = [block.end_feed(), block.length()];
         let promise = Promise { start: v, acceleration: 0.0, end, way, limits };
         Law::Block(block).keeps(&promise).then_some(block)

@@ -11,7 +11,7 @@ use motion::chain::{Ask, Feed};
 use testing::{Seed, count};
 
 /// A plan made anew is earlier by one part in so many at most.
-const EARLIER: u64 = 2000;
+const EARLIER: u64 = 200;
 
 /// Asks for another value of a ratio that nothing goes by; false if every one is in use.
 fn turn_idle_knob(blocks: &[Line], ask: &mut Ask, random: &mut Seed) -> bool {
