@@ -4,7 +4,7 @@
 //! | symbol | unit | meaning |
 //! |---|---|---|
 //! | r | mm | half the width of the blend, as far as the tolerance and the shorter line allow |
-//! | v | mm/s | the speed at which it is passed (M66) |
+//! | v | mm/s | the speed at which it is passed (M66), whichever way round |
 //! | l | mm | half of a block; of a piece, twice its length |
 //! | F | mm/s | the feed at its middle: the programmed one, or what the way from there allows |
 //! | T(e), d(a, b) | s, mm | duration of the fastest ramp by e (M21), way of that between two feeds (M22) |
@@ -41,8 +41,11 @@ pub(super) fn stop_is_faster<const N: usize, T>(
     if turn < LEAST_TURN {
         return false;
     }
-    let bend = Bend::of(&blocks[0].path).with(blend, &blocks[1].path.shares());
-    let v = bend.top(axes, f64::INFINITY, f64::INFINITY);
+    let top = |here: usize, there: usize| {
+        let bend = Bend::of(&blocks[here].path).with(blend, &blocks[there].path.shares());
+        bend.top(axes, f64::INFINITY, f64::INFINITY)
+    };
+    let v = top(0, 1).min(top(1, 0));
     let [rounded, stopped] = [v, 0.0].map(|v| {
         let way = if v > 0.0 { blend.half() } else { 0.0 };
         blocks.iter().map(|block| half_a_block(block, v, way, axes)).sum::<f64>()

@@ -67,6 +67,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
                 return;
             }
         }
+        self.t = (self.t + left).min(self.law.duration());
     }
 
     /// Goes on to the end of the law in hand, or only so far that it does not come near the end of what is
