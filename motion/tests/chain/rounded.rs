@@ -129,9 +129,9 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> 
         return false;
     }
     let half = blend.half();
-    let (shares, own, peaks) =
-        (blocks.map(|block| block.path.shares()), blocks[0].path.bend(), blend.peaks());
-    let allowed = (0..N).map(|i| {
+    let (shares, peaks) = (blocks.map(|block| block.path.shares()), blend.peaks());
+    let bends = blocks.map(|block| block.path.bend());
+    let allowed = bends.iter().flat_map(|own| (0..N).map(move |i| (own, i))).map(|(own, i)| {
         let (axis, [second, third, fourth]) = (&AXES[i], [0, 1, 2].map(|n| own[n][i] + peaks[n + 1][i]));
         let by_acceleration = (0.7 * axis.a / second).sqrt();
         let by_jerk = libm::cbrt(0.65 * axis.j / third);
