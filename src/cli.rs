@@ -108,6 +108,9 @@ pub(crate) enum Command {
     /// The plant process, as `run` starts it.
     #[command(after_help = PROCESS_HELP)]
     SimPlant(process::shell::plant::PlantArgs),
+    /// The process of plant and regulators in real time, as `run` starts it.
+    #[command(after_help = PROCESS_HELP)]
+    RealTime(process::shell::plant::PlantArgs),
 }
 
 /// Reads the arguments. A number below 0 is the value of its option, so that its range is told and not
@@ -161,8 +164,9 @@ impl Command {
 
     /// Whether somebody waits for this process, or for the processes that it has started.
     pub(crate) fn is_of_a_machine(&self) -> bool {
-        use Command::{Interpolator, Interpreter, Panel, Regulator, Run, SimPlant};
-        matches!(self, Run(_) | Panel(_) | Interpreter(_) | Interpolator(_) | Regulator(_) | SimPlant(_))
+        use Command::{Interpolator, Interpreter, Panel, RealTime, Regulator, Run, SimPlant};
+        let cyclic = matches!(self, Interpolator(_) | Regulator(_) | SimPlant(_) | RealTime(_));
+        cyclic || matches!(self, Run(_) | Panel(_) | Interpreter(_))
     }
 }
 

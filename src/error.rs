@@ -40,6 +40,7 @@ impl From<ShellError> for CliError {
     fn from(error: ShellError) -> Self {
         match error {
             ShellError::Ipc(error) => CliError::Machine(error.to_string()),
+            ShellError::NotSetUp(_) => CliError::Machine(error.to_string()),
             ShellError::File { .. } | ShellError::Machine(_) | ShellError::Input(_) => {
                 CliError::Input(error.to_string())
             }

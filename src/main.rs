@@ -89,6 +89,9 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
             Ok(process::shell::interpolator::run(args).map(|()| ExitCode::SUCCESS)?)
         }
         Command::Regulator(args) => Ok(process::shell::regulator::run(args).map(|()| ExitCode::SUCCESS)?),
+        Command::RealTime(args) => {
+            Ok(process::shell::plant::run_with_regulators(args).map(|()| ExitCode::SUCCESS)?)
+        }
         Command::SimPlant(args) => Ok(process::shell::plant::run(args).map(|()| ExitCode::SUCCESS)?),
     }
 }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use machine::Machine;
-use process::shell::{Clock, LanguageArgs};
+use process::shell::LanguageArgs;
 use protocol::{Input, Item, Module, OperatorRequest, Taken, Truth, operator::Request};
 use rig::{
     Exchange, Rig,
@@ -26,7 +26,7 @@ use crate::{
     panel::PanelArgs,
     program::Program,
     run::{
-        RunArgs, Trace,
+        RunArgs, Timing, Trace,
         folder::{ARRIVALS, BEFORE, changed, repeated},
         read_scenario,
     },
@@ -186,12 +186,13 @@ pub(super) fn of_folder(dir: &Path) -> RunArgs {
         language: LanguageArgs::default(),
         machine: MachineArgs { machine: None },
         gauge: GaugeArgs { gauge: None },
-        clock: Clock::default(),
+        clock: Timing::default(),
         pace: None,
         with_panel: false,
         panel: PanelArgs::default(),
         presses: None,
         by_hand: false,
+        processes: false,
         in_process: false,
         scenario: None,
         single_block: false,

@@ -96,7 +96,7 @@ impl Left {
     /// # Errors
     /// Something else is asked for.
     pub(crate) fn arguments(&self, asked: &RunArgs) -> Result<RunArgs, CliError> {
-        if asked.clock == Clock::Real {
+        if asked.clock.clock() == Clock::Real {
             return Err(CliError::Input("--resume runs in virtual time only; leave out --clock real".into()));
         }
         if asked.with_panel {

@@ -49,12 +49,16 @@ pub(crate) struct RunArgs {
     pub(crate) gauge: GaugeArgs,
     /// How the processes wait for each other: in lock step as fast as possible, or in real time.
     #[arg(long, value_enum, default_value_t)]
-    pub(crate) clock: Clock,
+    pub(crate) clock: Timing,
     /// In lock step, time on the machine for each second on the wall, 0.05 to 1000: 1 is as fast as the
     /// machine would be, 0.2 five times slower; max does not wait. The same numbers at any pace.
     /// [default: max; with a panel 1]
     #[arg(long, value_name = "PACE")]
     pub(crate) pace: Option<Pace>,
+    /// In real time each module in a process of its own, for those who have the processors; without it the
+    /// plant and all regulators are one process.
+    #[arg(long, conflicts_with = "in_process")]
+    pub(crate) processes: bool,
     /// The same machine in one process, without iceoryx2; same numbers, as long as no process dies or
     /// freezes.
     #[arg(long)]
@@ -107,6 +111,29 @@ pub(crate) struct RunArgs {
     /// Print summary.json to standard output, and nothing else.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// How the processes wait for each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Timing {
+    /// In lock step, as fast as the computer can; every run gives the same numbers.
+    #[default]
+    Virtual,
+    /// In real time; what comes too late is counted.
+    Real,
+    /// In real time, if the computer grants everything that it needs; else nothing starts.
+    #[value(name = "real=strict")]
+    Strict,
+}
+
+impl Timing {
+    /// What the processes go by.
+    pub(crate) fn clock(self) -> Clock {
+        match self {
+            Timing::Virtual => Clock::Virtual,
+            Timing::Real | Timing::Strict => Clock::Real,
+        }
+    }
 }
 
 /// Form of the trace.

@@ -1,13 +1,14 @@
 //! The processes of a run: how they are started, how they ended.
 
 use std::{
+    io::Read as _,
     os::unix::process::{CommandExt as _, ExitStatusExt as _},
     process::{Child, ChildStdin, Command, ExitStatus, Stdio},
 };
 
 use process::{
     ipc::{
-        Process,
+        Host, Process,
         child::{doom, signal_name, signal_words},
     },
     shell::Clock,
@@ -20,8 +21,8 @@ use crate::error::CliError;
 
 /// A process of this run. Dropping it ends the process.
 pub(crate) struct Started {
-    /// Which.
-    pub(crate) process: Process,
+    /// Which, and who lives in it.
+    pub(crate) host: Host,
     child: Child,
     exit: Option<ExitStatus>,
 }
@@ -37,13 +38,15 @@ impl Drop for Started {
 impl Started {
     /// Starts one process: this program again, under another command, in a process group of its own so that
     /// Ctrl-C reaches the launcher only.
-    pub(crate) fn start(setup: &Setup, address: &str, process: Process) -> Result<Started, CliError> {
+    pub(crate) fn start(setup: &Setup, address: &str, host: Host) -> Result<Started, CliError> {
+        let process = host.beats();
         let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
         let mut command = Command::new(this);
         let by_hand = setup.by_hand && process == Process::Interpreter;
         command
             .stdin(if by_hand { Stdio::piped() } else { Stdio::null() })
-            .stdout(Stdio::null())
+            // In real time each process with a deadline says in some lines how that was kept.
+            .stdout(if setup.clock == Clock::Real { Stdio::piped() } else { Stdio::null() })
             .process_group(0);
         match process {
             Process::Interpreter => {
@@ -52,7 +55,9 @@ impl Started {
             }
             Process::Interpolator => command.arg("interpolator"),
             Process::Plant => {
-                command.arg("sim-plant").arg("--seed").arg(setup.seed.to_string());
+                let alone = host.modules.len() == 1;
+                command.arg(if alone { "sim-plant" } else { "real-time" });
+                command.arg("--seed").arg(setup.seed.to_string());
                 command.arg("--pace").arg(setup.pace.to_string());
                 if let Some(scenario) = &setup.folder.scenario {
                     command.arg("--scenario").arg(scenario);
@@ -73,10 +78,13 @@ impl Started {
             }
             Clock::Real => command.arg("--clock").arg("real"),
         };
+        if setup.strict {
+            command.arg("--strict-set-up");
+        }
         let child = command
             .spawn()
-            .map_err(|error| CliError::Machine(format!("cannot start {}: {error}", process.name())))?;
-        Ok(Started { process, child, exit: None })
+            .map_err(|error| CliError::Machine(format!("cannot start {}: {error}", host.name)))?;
+        Ok(Started { host, child, exit: None })
     }
 
     /// Where it takes machine code by hand, if it does.
@@ -134,11 +142,24 @@ impl Started {
         }
     }
 
+    /// In real time, what a process with deadlines has said of itself; it has ended.
+    pub(crate) fn said(&mut self) -> Option<observe::RealTimeReport> {
+        let (mut stdout, mut text) = (self.child.stdout.take()?, String::new());
+        // Of one that was killed the last line may be torn.
+        let _ = stdout.read_to_string(&mut text);
+        let lines = text.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+        let mut all = serde_json::Map::new();
+        lines.for_each(|line| all.extend(line.as_object().cloned().unwrap_or_default()));
+        all.insert("process".into(), self.host.name.clone().into());
+        let report = serde_json::from_value::<observe::RealTimeReport>(all.into()).ok()?;
+        (!report.set_up.is_empty()).then_some(report)
+    }
+
     /// As `summary.json` has it.
     pub(crate) fn report(&self) -> observe::Process {
         let signal = self.exit.and_then(|exit| exit.signal()).map(signal_name);
         let exit = self.exit.and_then(|exit| exit.code());
-        observe::Process { name: self.process.name(), pid: self.child.id(), exit, signal }
+        observe::Process { name: self.host.name.clone(), pid: self.child.id(), exit, signal }
     }
 }
 

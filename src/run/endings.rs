@@ -15,8 +15,10 @@ const TRIPS: u64 = 3;
 /// A process that has died.
 #[derive(Clone, Debug)]
 pub(crate) struct Death {
-    /// Which.
+    /// Whose: of several modules in one process the one that beats its time.
     pub(crate) process: Process,
+    /// Name of the process.
+    pub(crate) name: String,
     /// How, for people.
     pub(crate) ending: String,
     /// The first control cycle that it has not answered.
@@ -154,7 +156,7 @@ impl Death {
             ),
             false => ("process-died", format!("the process {}", self.ending)),
         };
-        FaultReport { cycle, source: self.process.name(), code: code.into(), text }
+        FaultReport { cycle, source: self.name.clone(), code: code.into(), text }
     }
 }
 
@@ -177,7 +179,8 @@ mod tests {
         let mut endings = Endings::default();
         for (process, cycle, missed) in deaths {
             let (process, cycle, missed, ending) = (*process, *cycle, *missed, String::new());
-            endings.died(Death { process, ending, cycle, missed, over: false, frozen: false });
+            let name = process.name();
+            endings.died(Death { process, name, ending, cycle, missed, over: false, frozen: false });
         }
         let fault = |(source, cycle, fault): &(&str, u64, Fault)| FaultReport {
             cycle: *cycle,

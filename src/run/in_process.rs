@@ -115,8 +115,8 @@ fn unread(text: &str, cycle: u64) -> (Module, Death) {
     let ending = format!(
         "met an error, though the program was good when it was checked: it has changed since. {text}"
     );
-    let death =
-        Death { process: Process::Interpreter, ending, cycle, missed: None, over: false, frozen: false };
+    let (process, missed) = (Process::Interpreter, None);
+    let death = Death { process, name: process.name(), ending, cycle, missed, over: false, frozen: false };
     (Module::Interpreter, death)
 }
 
@@ -154,7 +154,8 @@ impl Doomed {
         self.frozen.retain(|(module, _)| !self.dead.contains(module));
         let death = |(module, cycle, frozen)| {
             let (process, ending) = (Process::of(module), "was killed by the scenario".into());
-            (module, Death { process, ending, cycle, missed: None, over: false, frozen })
+            let name = process.name();
+            (module, Death { process, name, ending, cycle, missed: None, over: false, frozen })
         };
         dead.into_iter().map(death).collect()
     }

@@ -24,7 +24,10 @@ mod watchdog;
 use std::{path::PathBuf, process::ExitCode};
 
 use machine::Machine;
-use process::shell::{Clock, Pace};
+use process::{
+    ipc::Layout,
+    shell::{Clock, Pace},
+};
 use rig::journal::{Keeper, Origin};
 use rig::observe::{Outcome, Summary};
 
@@ -39,7 +42,7 @@ use crate::{
     words::{self, Phase},
 };
 use args::Fell;
-pub(crate) use args::{HELP, RunArgs, Trace};
+pub(crate) use args::{HELP, RunArgs, Timing, Trace};
 use folder::{RunFolder, Seen};
 use interrupts::Interrupts;
 pub(crate) use journal::JOURNAL;
@@ -62,6 +65,10 @@ pub(crate) struct Setup {
     pub(crate) seed: u64,
     /// How processes wait for each other.
     pub(crate) clock: Clock,
+    /// In real time nothing starts unless everything that it needs is granted.
+    pub(crate) strict: bool,
+    /// Which modules share a process.
+    pub(crate) layout: Layout,
     /// How their time keeps to the wall.
     pub(crate) pace: Pace,
     /// Where everything is written.
@@ -205,7 +212,12 @@ impl Prepared {
             program,
             scenario,
             seed: args.seed.unwrap_or(1),
-            clock: args.clock,
+            clock: args.clock.clock(),
+            strict: args.clock == Timing::Strict,
+            layout: match args.clock.clock() {
+                Clock::Real if !args.processes => Layout::Together,
+                Clock::Real | Clock::Virtual => Layout::Apart,
+            },
             pace: args.pace.unwrap_or(if args.with_panel { Pace::ONE } else { Pace::MAX }),
             folder,
             progress: !quiet && !args.json,

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use process::{
-    ipc::{ChannelCount, NameSpace, Process, of_the_living, time::Moment, total},
+    ipc::{ChannelCount, NameSpace, Process, hosts, of_the_living, time::Moment, total},
     shell::Clock,
 };
 use protocol::{Doom, operator::Request};
@@ -46,8 +46,8 @@ pub(crate) fn run(
     let mut space = NameSpace::create(&axes)?;
     let channels = Channels::open(&mut space, &setup.machine, setup.clock)?;
     let mut started = Vec::new();
-    for process in Process::members(&axes) {
-        started.push(Started::start(setup, &space.address(), process)?);
+    for host in hosts(setup.layout, &axes) {
+        started.push(Started::start(setup, &space.address(), host)?);
     }
     rendezvous(&mut space, &channels, &mut started, interrupts, setup.watchdog_s)?;
     let mut by_hand = started.iter_mut().find_map(Started::takes_by_hand).map(Gives::new);
@@ -75,10 +75,11 @@ pub(crate) fn run(
     };
     launch.run()?;
     let counts = launch.end()?;
-    let Launch { recorder, channels, started, endings, .. } = launch;
+    let Launch { recorder, channels, mut started, endings, .. } = launch;
     let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
     summary.deadline_misses = channels.late_answers();
     summary.processes = started.iter().map(Started::report).collect();
+    summary.real_time = started.iter_mut().filter_map(Started::said).collect();
     summary.channels = counts;
     endings.tell(&mut summary);
     Ok((complete(summary, setup, begun), failed))
@@ -174,7 +175,7 @@ impl Launch<'_> {
         })?;
         self.hear_of_arrivals()?;
         for (process, doom) in dooms {
-            self.started.iter_mut().filter(|one| one.process == process).for_each(|one| one.doom(doom));
+            self.started.iter_mut().filter(|one| one.host.holds(process)).for_each(|one| one.doom(doom));
             self.look_for_the_dead()?;
         }
         if stands && self.setup.clock == Clock::Virtual {
@@ -226,30 +227,37 @@ impl Launch<'_> {
     fn look_for_the_dead(&mut self) -> Result<(), CliError> {
         for index in 0..self.started.len() {
             if self.started[index].has_ended()? {
-                let (process, ending) = (self.started[index].process, self.started[index].ending());
-                let said = format!("{} {ending}", process.name());
-                self.channels.last_words(process)?;
+                let (host, ending) = (self.started[index].host.clone(), self.started[index].ending());
+                let said = format!("{} {ending}", host.in_words());
+                let ending = host.of_whom().map(|names| format!("of {names} {ending}")).unwrap_or(ending);
+                let process = host.beats();
+                host.modules.iter().try_for_each(|module| self.channels.last_words(*module))?;
                 self.hear_of_arrivals()?;
                 let cycle = self.channels.unanswered(process);
                 let missed = self.recorder.hungry_since().filter(|_| process == Process::Interpreter);
                 let frozen = self.frozen.contains(&process);
                 let over = self.channels.ended();
-                self.endings.died(Death { process, ending, cycle, missed, over, frozen });
-                match process.module() {
-                    Some(module) => {
-                        let request = self.supervisor.died(module, cycle);
-                        self.ask(request, Some(Who::Launcher))?;
-                    }
-                    None => self.supervisor.plant_died(),
-                }
-                // What it has told goes with it.
-                self.hear_of_arrivals()?;
-                self.channels.bury(process);
-                self.space.bury(process)?;
+                self.endings.died(Death { process, name: host.name, ending, cycle, missed, over, frozen });
+                host.modules.into_iter().try_for_each(|module| self.is_dead(module))?;
                 self.recorder.say(&said);
             }
         }
         Ok(())
+    }
+
+    /// Nobody waits any more for a module that is dead, and the machine is asked for what has to follow.
+    fn is_dead(&mut self, process: Process) -> Result<(), CliError> {
+        match process.module() {
+            Some(module) => {
+                let request = self.supervisor.died(module, self.channels.unanswered(process));
+                self.ask(request, Some(Who::Launcher))?;
+            }
+            None => self.supervisor.plant_died(),
+        }
+        // What it has told goes with it.
+        self.hear_of_arrivals()?;
+        self.channels.bury(process);
+        Ok(self.space.bury(process)?)
     }
 
     /// Kills whoever holds the machine up; the next look finds them dead.
@@ -270,10 +278,10 @@ impl Launch<'_> {
     }
 
     fn kill_frozen(&mut self, process: Process) {
-        for one in self.started.iter_mut().filter(|one| one.process == process && one.lives()) {
-            self.frozen.push(process);
+        for one in self.started.iter_mut().filter(|one| one.host.holds(process) && one.lives()) {
+            self.frozen.push(one.host.beats());
             one.doom(Doom::Kill);
-            self.recorder.say(&format!("{} does not answer any more: it is killed", process.name()));
+            self.recorder.say(&format!("{} does not answer any more: it is killed", one.host.in_words()));
         }
     }
 
@@ -340,7 +348,8 @@ impl Launch<'_> {
         }
         // Whoever is still there although all others have gone hangs.
         if self.wish != Wish::End {
-            Process::members(&axes(&self.setup.machine)).into_iter().for_each(|one| self.kill_frozen(one));
+            let all: Vec<Process> = self.started.iter().map(|one| one.host.beats()).collect();
+            all.into_iter().for_each(|one| self.kill_frozen(one));
             self.look_for_the_dead()?;
         }
         self.started.iter_mut().for_each(Started::end);
@@ -362,7 +371,7 @@ impl Launch<'_> {
     fn is_busy(&mut self, counts: impl Fn(Process) -> bool) -> Result<bool, CliError> {
         let unfinished = self.space.unfinished()?;
         let living =
-            |process: &Process| self.started.iter().any(|one| one.process == *process && one.lives());
+            |process: &Process| self.started.iter().any(|one| one.host.holds(*process) && one.lives());
         let busy: Vec<Process> =
             unfinished.into_iter().filter(|process| counts(*process) && living(process)).collect();
         if self.watchdog.is_over() {

@@ -35,7 +35,7 @@ pub(super) fn rendezvous(
                 None => stopped.calm(),
                 Some(one) if stopped.is_over() => {
                     let text = "is stopped, and did not answer while the machine was starting";
-                    return Err(CliError::Machine(format!("{} {text}", one.process.name())));
+                    return Err(CliError::Machine(format!("{} {text}", one.host.name)));
                 }
                 Some(_) => {}
             }
@@ -44,7 +44,7 @@ pub(super) fn rendezvous(
             if one.has_ended()? {
                 return Err(CliError::Machine(format!(
                     "{} {} while the machine was starting",
-                    one.process.name(),
+                    one.host.name,
                     one.ending()
                 )));
             }

@@ -12,13 +12,19 @@ use crate::error::CliError;
 /// Refuses what the machine cannot play in the way it is run.
 pub(super) fn can_be_played(scenario: &sim_plant::Scenario, args: &RunArgs) -> Result<(), CliError> {
     let input = |text: String| Err(CliError::Input(text));
-    if args.in_process && args.clock == Clock::Real {
+    if args.in_process && args.clock.clock() == Clock::Real {
         return input("--in-process runs in virtual time only; leave out --clock real".into());
+    }
+    if args.processes && args.clock.clock() == Clock::Virtual {
+        return input(
+            "in lock step each module has a process of its own: leave out --processes, or add --clock real"
+                .into(),
+        );
     }
     if args.in_process && args.with_panel {
         return input("the panel is of a machine of processes: leave out --in-process".into());
     }
-    if args.clock == Clock::Real && args.pace.is_some_and(Pace::waits) {
+    if args.clock.clock() == Clock::Real && args.pace.is_some_and(Pace::waits) {
         return input(
             "--pace is of virtual time; in real time the pace is 1: leave out --pace, or --clock real".into(),
         );
@@ -27,7 +33,7 @@ pub(super) fn can_be_played(scenario: &sim_plant::Scenario, args: &RunArgs) -> R
         (Some(event), _) if !args.in_process => input(format!(
             "event {event} of the scenario: messages between processes cannot be disturbed; add --in-process"
         )),
-        (_, Some(event)) if !args.in_process && args.clock == Clock::Virtual => input(format!(
+        (_, Some(event)) if !args.in_process && args.clock.clock() == Clock::Virtual => input(format!(
             "event {event} of the scenario: in lock step all processes wait for one that is frozen, so for_s \
              never passes; add --in-process or --clock real, or leave out for_s"
         )),

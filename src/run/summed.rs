@@ -63,6 +63,11 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
     if summary.deadline_misses > 0 && summary.clock == "real" {
         let _ = writeln!(text, "late      {} answers came after their cycle", summary.deadline_misses);
     }
+    for report in &summary.real_time {
+        for item in report.set_up.iter().filter(|item| !item.done) {
+            let _ = writeln!(text, "refused   {}: {}: {}", report.process, item.what, item.text);
+        }
+    }
     let _ = writeln!(text, "trace     {}", summary.trace_hash);
     if let Some(report) = report {
         let _ = writeln!(text, "report    {}", report.display());

@@ -111,6 +111,6 @@ impl Hunger {
 }
 
 fn used_by_interpreter(started: &[Started]) -> Option<u64> {
-    let interpreter = started.iter().find(|one| one.process == Process::Interpreter && one.lives());
+    let interpreter = started.iter().find(|one| one.host.holds(Process::Interpreter) && one.lives());
     interpreter.and_then(|one| used(one.pid()))
 }

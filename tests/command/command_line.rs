@@ -90,6 +90,8 @@ fn what_is_missing_or_unknown_is_named() {
     refuses(&place, &["run", &m20x2, "--clock", "sundial"], &["sundial", "virtual", "real"]);
     refuses(&place, &["run", &m20x2, "--dialect", "klingon"], &["dialect"]);
     refuses(&place, &["run", &m20x2, "--in-process", "--clock", "real"], &["--in-process"]);
+    refuses(&place, &["run", &m20x2, "--processes"], &["lock step", "--clock real"]);
+    refuses(&place, &["run", &m20x2, "--processes", "--in-process"], &["--processes", "--in-process"]);
     refuses(&place, &["frobnicate"], &["frobnicate"]);
     refuses(&place, &["compile", &m20x2, "-o", "code.txt"], &["code.txt", ".mc"]);
     place.write("notes.txt", "no run folder");

@@ -64,7 +64,7 @@ pub(crate) fn runs(place: &Place) {
     wait_s(0.3);
 }
 
-fn pid_of(launcher: &Child, name: &str) -> u32 {
+pub(crate) fn pid_of(launcher: &Child, name: &str) -> u32 {
     let child = children(launcher).into_iter().find(|(child, _)| child == name);
     child.unwrap_or_else(|| panic!("{name} runs")).1
 }
@@ -202,10 +202,10 @@ fn in_real_time_an_interpreter_that_hangs_is_killed_and_named() {
         signal(pid_of(&launcher, "interpreter"), "STOP");
         let deadline = Moment::in_s(40.0);
         let lives = |name: &str| children(&launcher).iter().any(|(child, _)| child == name);
-        while lives("interpreter") && lives("regulator-x") && !deadline.passed() {
+        while lives("interpreter") && lives("real-time") && !deadline.passed() {
             wait_s(0.02);
         }
-        let killed = !lives("interpreter") && lives("regulator-x");
+        let killed = !lives("interpreter") && lives("real-time");
         signal(launcher.id(), "TERM");
         assert!(ends(&mut launcher, 60.0), "it does not end");
         let summary = summary(&place.at("run"));

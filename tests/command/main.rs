@@ -30,6 +30,7 @@ mod panel;
 mod part;
 mod pick_up;
 mod processes;
+mod real_time;
 mod replay;
 mod resolution;
 mod resume;

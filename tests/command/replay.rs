@@ -28,7 +28,7 @@ fn run(place: &Place, program: &Path, folder: &str, arguments: &[&str]) {
 }
 
 /// Arrivals of a folder, line by line, without their head.
-fn arrivals(place: &Place, folder: &str) -> Vec<String> {
+pub(crate) fn arrivals(place: &Place, folder: &str) -> Vec<String> {
     let text = std::fs::read_to_string(place.at(folder).join("arrivals.txt")).expect("a run leaves them");
     text.lines().skip(3).map(str::to_owned).collect()
 }
@@ -163,28 +163,32 @@ fn runs_in_which_a_process_dies_are_the_same_again() {
 
 #[test]
 fn a_run_in_real_time_is_the_same_again() {
-    if !(0..5).any(|_| in_real_time_the_same_again()) {
+    if !(0..5).any(|_| in_real_time_the_same_again(&["--processes"])) {
         eprintln!("not tried: five runs lost a part of their record on this computer");
     }
+    in_real_time_the_same_again(&[]);
 }
 
 /// Whether its record was whole.
-fn in_real_time_the_same_again() -> bool {
+fn in_real_time_the_same_again(layout: &[&str]) -> bool {
     let place = Place::new();
     let text = "G18 G21 G90 G8 G94\nG0 X50 Z90\nG1 X49 F600\nG4 P1\nG1 X50 F600\nG4 P90\nM2\n";
     place.write("machine.toml", slow_machine());
     let program = place.write("program.ngc", text);
     let mut command = place.pitchlock();
-    command.arg("run").arg(program).args(["--quiet", "--clock", "real", "--out", "run"]);
+    command.arg("run").arg(program).args(["--quiet", "--clock", "real", "--out", "run"]).args(layout);
     let mut launcher = command.args(["--machine", "machine.toml"]).spawn().expect("it starts");
     runs(&place);
     // Records that are lost, machine code that is not there, frames and commands that are late: then the
     // operator ends it. Whatever came of it is the same again.
-    signal(launcher.id(), "STOP");
-    wait_s(stopped_s(5.0));
-    signal(launcher.id(), "CONT");
-    wait_s(0.5);
-    for (name, s) in [("interpreter", 0.1), ("interpolator", 0.006), ("regulator-z", 0.01)] {
+    if !layout.is_empty() {
+        signal(launcher.id(), "STOP");
+        wait_s(stopped_s(5.0));
+        signal(launcher.id(), "CONT");
+        wait_s(0.5);
+    }
+    let regulator = if layout.is_empty() { "real-time" } else { "regulator-z" };
+    for (name, s) in [("interpreter", 0.1), ("interpolator", 0.006), (regulator, 0.01)] {
         let child = children(&launcher).into_iter().find(|(child, _)| child == name);
         if let Some((_, pid)) = child {
             signal(pid, "STOP");

@@ -85,10 +85,35 @@ impl Member {
     /// # Errors
     /// [`IpcError::NotConnected`] names the ports that have not found their other ends until the deadline.
     pub fn start(&mut self, ports: &[&dyn Port], deadline: Moment) -> Result<(), IpcError> {
+        self.connect(ports, deadline)?;
+        self.stand_by()?;
+        self.begin()
+    }
+
+    /// The first step of [`Member::start`], for one that shares its process with others, or has something to
+    /// do between: all of them connect their ports, then all stand by, then all begin.
+    ///
+    /// # Errors
+    /// [`IpcError::NotConnected`], as there.
+    pub fn connect(&mut self, ports: &[&dyn Port], deadline: Moment) -> Result<(), IpcError> {
         let counts = self.counts.iter().map(|counts| counts as &dyn Port);
         let ports: Vec<&dyn Port> = ports.iter().copied().chain(counts).collect();
-        connect(&ports, deadline)?;
-        self.roll_call.tell(READY + self.process.number())?;
+        connect(&ports, deadline)
+    }
+
+    /// The next step: tells the launcher that all ports are connected.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn stand_by(&mut self) -> Result<(), IpcError> {
+        self.roll_call.tell(READY + self.process.number())
+    }
+
+    /// The last step: returns when everybody stands by.
+    ///
+    /// # Errors
+    /// [`IpcError::LauncherGone`].
+    pub fn begin(&mut self) -> Result<(), IpcError> {
         while !self.ear.heard.is(START) {
             self.ear.wait()?;
             if is_orphan() {
@@ -174,8 +199,20 @@ impl Member {
         self.finish_and(counts, || Ok(()))
     }
 
-    /// The same; does something now and then meanwhile, so that nobody waits for a place in a queue of this
-    /// process.
+    /// Hands over the counts and waits for nobody: another member of the same process does, and keeps the
+    /// ports of this one open until then.
+    ///
+    /// # Errors
+    /// A refusal of iceoryx2.
+    pub fn has_finished(&mut self, counts: &[ChannelCount]) -> Result<(), IpcError> {
+        if let Some(sender) = &mut self.counts {
+            counts.iter().try_for_each(|count| sender.send(&CountPacket::pack(count)))?;
+        }
+        self.roll_call.tell(DONE + self.process.number())
+    }
+
+    /// As [`Member::finish`]; does something now and then meanwhile, so that nobody waits for a place in a
+    /// queue of this process.
     ///
     /// # Errors
     /// A refusal of iceoryx2, and what is done.
@@ -184,10 +221,7 @@ impl Member {
         counts: &[ChannelCount],
         mut meanwhile: impl FnMut() -> Result<(), IpcError>,
     ) -> Result<(), IpcError> {
-        if let Some(sender) = &mut self.counts {
-            counts.iter().try_for_each(|count| sender.send(&CountPacket::pack(count)))?;
-        }
-        self.roll_call.tell(DONE + self.process.number())?;
+        self.has_finished(counts)?;
         while !self.ear.heard.is(END) && !is_orphan() {
             meanwhile()?;
             self.ear.wait()?;

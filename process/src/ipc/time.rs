@@ -33,6 +33,11 @@ impl Moment {
         Duration::from_nanos(Moment::now().0.saturating_sub(self.0))
     }
 
+    /// How long after another one it is; zero if it is before it.
+    pub fn since(self, other: Moment) -> Duration {
+        Duration::from_nanos(self.0.saturating_sub(other.0))
+    }
+
     /// Whether it has come.
     pub fn passed(self) -> bool {
         Moment::now() >= self

@@ -20,6 +20,9 @@ pub struct ProcessArgs {
     /// How processes wait for each other.
     #[arg(long, value_enum, default_value_t)]
     pub clock: Clock,
+    /// In real time do not start unless everything that it needs is granted.
+    #[arg(long)]
+    pub strict_set_up: bool,
     /// Stay on this processor.
     #[arg(long, value_name = "N")]
     pub processor: Option<usize>,

@@ -1,5 +1,7 @@
 //! The process of the interpolator: receive, tick, send.
 
+use std::time::Duration;
+
 use protocol::{
     Axis, AxisFrame, AxisStatus, CodePacket, Credit, Cycle, Input, MachineStatus, Measurement, PerAxis,
     SpindleCommand, Taken, units::AXES,
@@ -7,7 +9,7 @@ use protocol::{
 
 use crate::{
     ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
-    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, record},
+    shell::{Clock, Notes, POLL, ProcessArgs, START_S, ShellError, Wait, deliver, record},
 };
 
 use interpolator::{In, Interpolator, Out};
@@ -17,6 +19,8 @@ struct ToAxis {
     axis: Axis,
     frames: Sender<AxisFrame>,
     statuses: Receiver<AxisStatus>,
+    /// A status behind a gap that came before its tick.
+    early: Option<AxisStatus>,
     regulator: Waker,
     /// Cycle of the latest status, if any has come.
     newest: Option<u64>,
@@ -28,6 +32,7 @@ impl ToAxis {
             axis,
             frames: member.sender(channel::AXIS_COMMAND.of(axis), patience)?,
             statuses: member.receiver(channel::AXIS_STATUS.of(axis))?,
+            early: None,
             regulator: member.waker(Process::Regulator(axis))?,
             newest: None,
         })
@@ -77,28 +82,33 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut ports: Vec<&dyn Port> = vec![&measurements, &spindle, &status, &plant];
     ports.extend([&source.code as &dyn Port, &source.credit, &source.interpreter, notes.port()]);
     ports.extend(axes.iter().flat_map(|to| [&to.frames as &dyn Port, &to.statuses, &to.regulator]));
-    member.start(&ports, Moment::in_s(START_S))?;
+    member.connect(&ports, Moment::in_s(START_S))?;
+    let _set_up = args.set_up(Process::Interpolator)?;
+    member.stand_by()?;
+    member.begin()?;
 
     let mut interpolator = Interpolator::new(&machine);
     let mut statuses: PerAxis<AxisStatus> = [AxisStatus::default(); AXES];
     let (mut finished, mut expected) = (false, 0);
     let mut wait = Wait::on(Process::Plant);
+    // Its deadline is the next tick: until shortly before that nothing comes.
+    let (tick, mut next_tick) =
+        (Duration::from_secs_f64(machine.general.interpolator_cycle_s), Moment::now());
     let enough = args.clock == Clock::Real || machine.cycles_per_tick() > 1;
     while !finished && !wait.is_in_vain(&mut member) {
         let Some(measurement) = measurements.receive()?.filter(Measurement::is_whole) else {
-            wait.sleep(&mut member, args.clock)?;
+            match args.clock {
+                Clock::Virtual => wait.sleep(&mut member, args.clock)?,
+                Clock::Real => wait.sleep_until(&mut member, next_tick)?,
+            }
             continue;
         };
         wait = Wait::on(Process::Plant);
+        next_tick = Moment::now().after(tick.saturating_sub(POLL));
         let now = measurement.cycle.0;
         notes.gap(Input::TickMeasurement, now, expected)?;
         expected = now + machine.cycles_per_tick();
-        let mut since = None;
-        for to in &mut axes {
-            let latest = &mut statuses[to.axis.index()];
-            since = take_status(&mut member, to, args.clock, &measurement, latest, since)?;
-            notes.note(now, Input::Status(to.axis), to.newest, now.checked_sub(1))?;
-        }
+        take_statuses(&mut member, &mut axes, args.clock, &measurement, &mut statuses, &mut notes)?;
         let taken = take_code(&mut member, &mut interpolator, &mut source, args.clock)?;
         notes.note(now, Input::Code, taken, None)?;
         if std::mem::take(&mut source.lost) {
@@ -110,8 +120,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         // The tick after the one that says "finished" is the last: its predecessor is in force then. Where
         // each control cycle has a tick, lock step has one behind that.
         finished = measurement.last != 0 || was_finished && enough;
-        let waits = finished && args.clock == Clock::Real;
-        send(&mut axes, &mut spindle, &plant, &mut status, &out, waits)?;
+        send(&mut axes, &mut spindle, &plant, &mut status, &out, (args.clock, finished))?;
     }
     notes.finish()?;
     deliver(&mut source.credit, &Credit::ENOUGH)?;
@@ -122,25 +131,49 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     Ok(member.finish_and(&counts, || axes.iter_mut().try_for_each(ToAxis::drain))?)
 }
 
-/// Sends what a tick says and commands. A last word waits for a recorder that stands, and nobody else for it.
+/// Sends what a tick says and commands. In real time nobody is woken, since all look by themselves; a last
+/// word waits for a recorder that stands, and nobody else for it.
 fn send(
     axes: &mut [ToAxis],
     spindle: &mut Sender<SpindleCommand>,
     plant: &Waker,
     status: &mut Sender<MachineStatus>,
     out: &Out,
-    waits: bool,
+    (clock, finished): (Clock, bool),
 ) -> Result<(), ShellError> {
+    let waits = finished && clock == Clock::Real;
     if !waits {
         record(status, &out.status, false)?;
     }
     for to in axes {
         deliver(&mut to.frames, &out.frames[to.axis.index()])?;
-        to.regulator.wake()?;
+        if clock == Clock::Virtual {
+            to.regulator.wake()?;
+        }
     }
     deliver(spindle, &out.spindle)?;
-    plant.wake()?;
+    if clock == Clock::Virtual {
+        plant.wake()?;
+    }
     if waits { record(status, &out.status, true) } else { Ok(()) }
+}
+
+/// The statuses of all axes.
+fn take_statuses(
+    member: &mut Member,
+    axes: &mut [ToAxis],
+    clock: Clock,
+    measurement: &Measurement,
+    statuses: &mut PerAxis<AxisStatus>,
+    notes: &mut Notes,
+) -> Result<(), ShellError> {
+    let (mut since, now) = (None, measurement.cycle.0);
+    for to in axes {
+        let latest = &mut statuses[to.axis.index()];
+        since = take_status(member, to, clock, measurement, latest, since)?;
+        notes.note(now, Input::Status(to.axis), to.newest, now.checked_sub(1))?;
+    }
+    Ok(())
 }
 
 /// The status of the cycle before the tick. It was sent before that cycle's command to the drive, so in lock
@@ -160,11 +193,19 @@ fn take_status(
     let wanted = Cycle(measurement.cycle.0 - 1);
     let mut wait = Wait::on(Process::Regulator(to.axis)).after(since);
     loop {
-        match to.statuses.receive()? {
+        let status = match to.early.take() {
+            Some(status) => Some(status),
+            None => to.statuses.receive()?,
+        };
+        match status {
+            Some(status) if status.cycle > wanted => {
+                to.early = Some(status);
+                return Ok(wait.since());
+            }
             Some(status) => {
                 *latest = status;
                 to.newest = Some(status.cycle.0);
-                if status.cycle >= wanted {
+                if status.cycle == wanted {
                     return Ok(wait.since());
                 }
             }

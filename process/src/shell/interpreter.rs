@@ -13,7 +13,7 @@ use protocol::{
 
 use crate::{
     ipc::{Process, channel, time::Moment},
-    shell::{LanguageArgs, ProcessArgs, START_S, ShellError, Wait, deliver},
+    shell::{Clock, LanguageArgs, ProcessArgs, START_S, ShellError, Wait, deliver},
 };
 
 use interpreter::{Interpreter, open};
@@ -58,11 +58,14 @@ pub fn run(args: &InterpreterArgs) -> Result<(), ShellError> {
             }
             match news {
                 Some(news) => taken = news.taken,
-                None => wait.sleep(&mut member, args.process.clock)?,
+                // It has no deadline, so it sleeps until it is woken, in real time too.
+                None => wait.sleep(&mut member, Clock::Virtual)?,
             }
         }
         deliver(&mut code, &packet)?;
-        interpolator.wake()?;
+        if args.process.clock == Clock::Virtual {
+            interpolator.wake()?;
+        }
     }
     Ok(member.finish(&[code.count(), credit.count()])?)
 }

@@ -4,6 +4,7 @@
 //! measurement.
 
 mod args;
+mod forsaken;
 pub mod interpolator;
 pub mod interpreter;
 mod notes;
@@ -13,18 +14,22 @@ pub mod regulator;
 mod spindle;
 mod wait;
 
-use std::{path::PathBuf, time::Duration};
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
 pub(crate) use notes::Notes;
-pub use pace::{Beat, Pace};
-pub(crate) use wait::Wait;
+pub use pace::{Beat, Missed, Pace};
+pub(crate) use wait::{POLL, Wait};
 
 use machine::{Machine, MachineError};
 use protocol::Payload;
 
 use crate::ipc::{
     IpcError, Member, Patience, Process, Sender, Undelivered, is_orphan,
+    real_time::{self, SetUp},
     time::{self, Moment, sleep_until},
 };
 
@@ -55,6 +60,11 @@ pub enum ShellError {
     /// The machine file is wrong.
     #[error("machine file: {0}")]
     Machine(#[from] MachineError),
+    /// Something that real time needs was refused, and whoever started this wants all of it.
+    #[error(
+        "this computer refuses what real time needs, and nothing has moved:\n  {0}\n`--clock real` runs without it"
+    )]
+    NotSetUp(String),
     /// The input is wrong; the text says where and what would be right.
     #[error("{0}")]
     Input(String),
@@ -92,12 +102,31 @@ impl ProcessArgs {
         if let Some(processor) = self.processor {
             time::pin_to(processor)?;
         }
-        if self.clock == Clock::Real
-            && let Err(error) = time::be_punctual()
-        {
-            tracing::warn!(%error, "more answers will be late");
-        }
         Ok(Member::join(&self.address, process)?)
+    }
+
+    /// In real time the set-up of a process with a deadline. What is refused is said; a strict one does not
+    /// start then. All of it is told the launcher by a line of JSON on standard output.
+    ///
+    /// # Errors
+    /// [`ShellError::NotSetUp`].
+    pub(crate) fn set_up(&self, process: Process) -> Result<Option<SetUp>, ShellError> {
+        if self.clock == Clock::Virtual {
+            return Ok(None);
+        }
+        let set_up = real_time::set_up(Path::new("/"), process);
+        println!("{}", serde_json::json!({ "set_up": set_up.items }));
+        let refused = |item: &real_time::Item| format!("{}: {}", item.what, item.text);
+        if self.strict_set_up {
+            let all: Vec<_> = set_up.refused().map(refused).collect();
+            return if all.is_empty() {
+                Ok(Some(set_up))
+            } else {
+                Err(ShellError::NotSetUp(all.join("\n  ")))
+            };
+        }
+        set_up.refused().for_each(|item| tracing::warn!("{}", refused(item)));
+        Ok(Some(set_up))
     }
 
     /// How long senders wait for a full queue: in lock step for ever, in real time a part of a cycle.

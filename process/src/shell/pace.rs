@@ -1,9 +1,10 @@
 //! How time on the machine keeps to the clock of the wall. In: once a control cycle, before it is over. Out:
 //! nothing but a wait: no number of a run depends on it.
 //!
-//! In real time a cycle lasts until its moment has come, whoever has answered or not. At a pace it lasts
-//! until its moment has come *and* everybody has answered, as in lock step: the machine does the same, bit
-//! for bit, and somebody can watch it.
+//! In real time a cycle lasts until its moment has come, whoever has answered or not; a process that has
+//! plant and regulators and was held up counts the cycles that it has missed. At a pace it lasts until its
+//! moment has come *and* everybody has answered, as in lock step: the machine does the same, bit for bit, and
+//! somebody can watch it.
 
 use std::time::Duration;
 
@@ -13,6 +14,24 @@ use crate::ipc::time::{Moment, sleep_until};
 /// What a machine at a pace has lost against the wall is made up for by shorter waits as long as it is no
 /// more than this; what is more is given up, so that nobody sees it race.
 const CATCH_UP: Duration = Duration::from_millis(20);
+
+/// A process that was held up for longer than this has missed so much and no more: a computer that slept has
+/// not moved its machine meanwhile.
+const STANDS: Duration = Duration::from_secs(2);
+
+/// What a process in real time has missed because it was held up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Missed {
+    /// The answers of this cycle came after its end.
+    pub answer: bool,
+    /// So many cycles behind it have ended before they began: nothing was measured in them, nothing answered.
+    pub cycles: u64,
+}
+
+/// How many whole cycles a time has.
+fn cycles_in(time: Duration, period: Duration) -> u64 {
+    (time.min(STANDS).as_nanos() / period.as_nanos().max(1)) as u64
+}
 
 /// Time on the machine for each second on the wall: [`Pace::SLOWEST`] to [`Pace::FASTEST`]; or as fast as the
 /// computer can.
@@ -76,6 +95,8 @@ pub struct Beat {
 enum Rule {
     /// Nobody waits for the wall.
     Free,
+    /// The moments of all cycles are fixed; those that have passed meanwhile have been missed.
+    Kept(Duration),
     /// The next cycle begins when its moment has come, and lasts half of its length at least.
     Real(Duration),
     /// The next cycle does not begin before its moment has come.
@@ -83,6 +104,13 @@ enum Rule {
 }
 
 impl Beat {
+    /// Of a plant in one process with its regulators, in real time: a process that was held up has missed
+    /// cycles, as the world has not stood meanwhile.
+    pub fn kept(cycle_s: f64) -> Beat {
+        let period = Duration::from_secs_f64(cycle_s);
+        Beat { rule: Rule::Kept(period), next: Moment::now().after(period) }
+    }
+
     /// Of a machine whose control cycle is so long, s; it begins now.
     pub fn new(clock: Clock, pace: Pace, cycle_s: f64) -> Beat {
         let rule = match (clock, pace.period(cycle_s)) {
@@ -92,17 +120,26 @@ impl Beat {
         };
         let first = match rule {
             Rule::Free => Duration::ZERO,
-            Rule::Real(period) | Rule::Paced(period) => period,
+            Rule::Real(period) | Rule::Paced(period) | Rule::Kept(period) => period,
         };
         Beat { rule, next: Moment::now().after(first) }
     }
 
-    /// Sleeps to the end of the cycle.
-    pub fn wait(&mut self) {
-        if !matches!(self.rule, Rule::Free) {
-            sleep_until(self.next);
-            self.next = self.after(Moment::now());
+    /// Sleeps to the end of the cycle, which begins another one; says what was missed.
+    pub fn wait(&mut self) -> Missed {
+        if matches!(self.rule, Rule::Free) {
+            return Missed::default();
         }
+        let too_late = self.next.passed();
+        sleep_until(self.next);
+        let now = Moment::now();
+        let Rule::Kept(period) = self.rule else {
+            self.next = self.after(now);
+            return Missed::default();
+        };
+        let missed = Missed { answer: too_late, cycles: cycles_in(now.since(self.next), period) };
+        self.next = self.after(now);
+        missed
     }
 
     /// When the next cycle is over, if this one is so now.
@@ -113,12 +150,17 @@ impl Beat {
             Rule::Real(period) => self.next.after(period).max(now.after(period / 2)),
             Rule::Paced(period) if now > self.next.after(CATCH_UP) => now.after(period),
             Rule::Paced(period) => self.next.after(period),
+            Rule::Kept(period) if now.since(self.next) > STANDS => now.after(period),
+            Rule::Kept(period) => {
+                let missed = cycles_in(now.since(self.next), period);
+                self.next.after(period * (1 + missed as u32))
+            }
         }
     }
 
     /// Whether cycles end by the clock alone.
     pub fn is_real(&self) -> bool {
-        matches!(self.rule, Rule::Real(_))
+        matches!(self.rule, Rule::Real(_) | Rule::Kept(_))
     }
 }
 
@@ -135,6 +177,30 @@ mod tests {
             let refused = text.parse::<Pace>().expect_err(text);
             assert!(refused.contains("0.05 to 1000, or max"), "{refused}");
         }
+    }
+
+    /// Whole cycles are missed, the moments of the others stay where they are, however long it was held up;
+    /// and one that slept for an hour has missed two seconds.
+    #[test]
+    fn what_a_process_was_held_up_for_is_counted_in_whole_cycles() {
+        let (mut beat, period) = (Beat::kept(0.0005), Duration::from_micros(500));
+        let begun = beat.next;
+        for held_us in [0, 1, 499, 500, 501, 1000, 1999, 2000, 50_000, 1_999_999] {
+            let missed = held_us / 500;
+            assert_eq!(cycles_in(Duration::from_micros(held_us), period), missed, "{held_us} µs");
+            let next = beat.after(begun.after(Duration::from_micros(held_us)));
+            assert_eq!(next, begun.after(period * (missed as u32 + 1)), "{held_us} µs");
+        }
+        let hour = STANDS * 1800;
+        let slept = begun.after(hour);
+        assert_eq!(cycles_in(hour, period), 4000);
+        assert_eq!(beat.after(slept), slept.after(period));
+        // And on the wall.
+        std::thread::sleep(period * 7);
+        let at = Moment::now();
+        let missed = beat.wait();
+        assert!(missed.answer && missed.cycles >= cycles_in(at.since(begun), period), "{missed:?}");
+        assert!(beat.next > at && beat.is_real());
     }
 
     fn beat(pace: &str, cycle_s: f64) -> Beat {

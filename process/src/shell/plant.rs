@@ -3,10 +3,15 @@
 //! In lock step a cycle lasts until every drive has its command; in real time until the next moment of the
 //! clock, and what has not come by then is a late answer: the drive holds the command before, and trips at
 //! the third in a row.
+//!
+//! In real time regulators may live in this process ([`Layout::Together`](crate::ipc::Layout)). They answer
+//! as soon as something is measured, then the process sleeps to the end of the cycle: one wake-up per cycle.
+//! A process that was held up finds that cycles have passed. The machine has not stood meanwhile: they are
+//! made up for, their answers are late, nobody has seen what was measured in them.
 
 use std::path::PathBuf;
 
-use machine::{Machine, SpindleConfig};
+use machine::Machine;
 use protocol::{
     Axis, Cycle, DriveCommand, Input, Measurement, PerAxis, SpindleCommand, Taken, Truth,
     operator::{OperatorRequest, Request},
@@ -16,11 +21,11 @@ use protocol::{
 use crate::{
     ipc::{
         ChannelCount, IpcError, Member, Port, Process, Receiver, Sender, Waker, channel, is_orphan,
-        time::{Moment, lock_memory},
+        real_time::SetUp, time::Moment,
     },
     shell::{
-        Beat, Clock, Notes, Pace, ProcessArgs, START_S, ShellError, Wait, deliver, read_text, record,
-        spindle::SpindleCommands,
+        Beat, Clock, Missed, Notes, Pace, ProcessArgs, START_S, ShellError, Wait, deliver,
+        forsaken::Forsaken, read_text, record, regulator, spindle::SpindleCommands,
     },
 };
 
@@ -88,29 +93,53 @@ impl FromAxis {
     }
 }
 
-/// Runs the plant until the machine is switched off.
+/// Runs the plant until the machine is switched off, its regulators being elsewhere.
 ///
 /// # Errors
 /// [`ShellError`] if machine file or scenario are wrong, or the other processes cannot be reached.
 pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     let machine = args.process.read_machine()?;
-    let clock = args.process.clock;
-    let mut plant = plant(args, &machine)?;
+    let member = args.process.join(Process::Plant)?;
+    let beat = |cycle_s| Beat::new(args.process.clock, args.pace, cycle_s);
+    beats(args, &machine, member, Vec::new(), beat)
+}
 
-    let mut member = args.process.join(Process::Plant)?;
-    let mut ports = Ports::open(&member, &machine, &args.process)?;
-    member.start(&ports.all(), Moment::in_s(START_S))?;
-    if clock == Clock::Real
-        && let Err(error) = lock_memory()
-    {
-        tracing::warn!(%error, "memory is not locked");
+/// Runs the plant and all regulators in this process, in real time.
+///
+/// # Errors
+/// [`ShellError`], as [`run`].
+pub fn run_with_regulators(args: &PlantArgs) -> Result<(), ShellError> {
+    if args.process.clock != Clock::Real {
+        return Err(ShellError::Input("plant and regulators share a process in real time only".into()));
     }
+    let machine = args.process.read_machine()?;
+    let member = args.process.join(Process::Plant)?;
+    let open = |(axis, _)| {
+        let own = Member::join(&args.process.address, Process::Regulator(axis))?;
+        regulator::Shell::open(own, &args.process, &machine, axis)
+    };
+    let regulators = machine.axes().map(open).collect::<Result<Vec<_>, _>>()?;
+    beats(args, &machine, member, regulators, Beat::kept)
+}
 
-    let mut beat = Beat::new(clock, args.pace, machine.general.cycle_s);
+/// The machine from its start to its end. The regulators that live here answer what is published.
+fn beats(
+    args: &PlantArgs,
+    machine: &Machine,
+    mut member: Member,
+    mut regulators: Vec<regulator::Shell>,
+    beat: impl FnOnce(f64) -> Beat,
+) -> Result<(), ShellError> {
+    let clock = args.process.clock;
+    let mut plant = plant(args, machine)?;
+    let mut ports = Ports::open(&member, machine, &args.process)?;
+    let _set_up = start(args, &mut member, &ports, &mut regulators)?;
+    let mut beat = beat(machine.general.cycle_s);
+    let mut missed = Missed::default();
     let mut drives: PerAxis<DriveCommand> = [DriveCommand::default(); AXES];
     let mut in_force = SpindleCommand::default();
     let mut refused = 0;
-    let mut forsaken = Forsaken::new(&machine);
+    let mut forsaken = Forsaken::new(machine);
     loop {
         let measurement = plant.measurement().sealed();
         let now = measurement.cycle.0;
@@ -120,23 +149,22 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
         if doomed && clock == Clock::Virtual {
             member.stand()?;
         }
-        ports.publish(&measurement, tick)?;
-        beat.wait();
+        if missed.cycles > 0 && measurement.last == 0 {
+            missed.cycles -= 1;
+            missed.answer = true;
+        } else {
+            ports.publish(&measurement, tick)?;
+            for own in &mut regulators {
+                while own.answer()?.is_some() {}
+            }
+            missed = beat.wait();
+        }
         if beat.is_real() {
             // Nobody sleeps for an event, so the launcher is heard here.
             member.look()?;
         }
-        let mut since = None;
-        for from in &mut ports.axes {
-            let command = &mut drives[from.axis.index()];
-            since = take_command(&mut member, from, clock, &measurement, command, since)?;
-            ports.notes.note(now, Input::Drive(from.axis), from.newest, Some(now))?;
-            let late = command.cycle < measurement.cycle;
-            from.late.note(late);
-            if late {
-                plant.note_late();
-            }
-        }
+        let late = ports.take_commands(&mut member, &measurement, &mut drives, missed.answer)?;
+        (0..late).for_each(|_| plant.note_late());
         if tick && measurement.cycle > Cycle(0) {
             let taken = ports.spindle.take(&mut member, clock, measurement.cycle, &mut in_force)?;
             let due = now.checked_sub(machine.cycles_per_tick());
@@ -157,7 +185,29 @@ pub fn run(args: &PlantArgs) -> Result<(), ShellError> {
     }
     forsaken.tell(plant.truth().cycle);
     ports.notes.finish()?;
+    for own in &mut regulators {
+        let counts = own.counts()?;
+        own.member.has_finished(&counts)?;
+    }
     Ok(member.finish(&ports.counts())?)
+}
+
+/// Everybody in this process connects, sets it up, and waits until the machine begins.
+fn start(
+    args: &PlantArgs,
+    member: &mut Member,
+    ports: &Ports,
+    regulators: &mut [regulator::Shell],
+) -> Result<Option<SetUp>, ShellError> {
+    let deadline = Moment::in_s(START_S);
+    regulators.iter_mut().try_for_each(|own| own.connect(deadline))?;
+    member.connect(&ports.all(), deadline)?;
+    let set_up = args.process.set_up(Process::Plant)?;
+    regulators.iter_mut().try_for_each(|own| own.member.stand_by())?;
+    member.stand_by()?;
+    regulators.iter_mut().try_for_each(|own| own.member.begin())?;
+    member.begin()?;
+    Ok(set_up)
 }
 
 /// The plant, and what happens to it.
@@ -183,6 +233,7 @@ fn understood(packet: &OperatorRequest, refused: &mut u64) -> Option<Request> {
 
 /// Every port of the plant.
 struct Ports {
+    clock: Clock,
     measurements: Sender<Measurement>,
     ticks: Sender<Measurement>,
     truths: Sender<Truth>,
@@ -201,6 +252,7 @@ impl Ports {
         let drives = machine.axes().map(|(axis, _)| Input::Drive(axis));
         Ok(Ports {
             notes: Notes::open(member, args, drives.chain([Input::Spindle]))?,
+            clock: args.clock,
             measurements: member.sender(channel::MEASUREMENT, patience)?,
             ticks: member.sender(channel::TICK_MEASUREMENT, patience)?,
             truths: member.sender(channel::TRUTH, recorded)?,
@@ -227,6 +279,29 @@ impl Ports {
         counts
     }
 
+    /// The commands that the drives follow in this cycle, and how many of them are late. If this process has
+    /// `missed` its end, all are.
+    fn take_commands(
+        &mut self,
+        member: &mut Member,
+        measurement: &Measurement,
+        drives: &mut PerAxis<DriveCommand>,
+        missed: bool,
+    ) -> Result<usize, ShellError> {
+        let (mut since, mut all, now) = (None, 0, measurement.cycle.0);
+        for from in &mut self.axes {
+            let command = &mut drives[from.axis.index()];
+            if !missed {
+                since = take_command(member, from, self.clock, measurement, command, since)?;
+            }
+            self.notes.note(now, Input::Drive(from.axis), from.newest, Some(now))?;
+            let late = command.cycle < measurement.cycle;
+            from.late.note(late);
+            all += usize::from(late);
+        }
+        Ok(all)
+    }
+
     /// What the operator asks for in this cycle.
     fn request(&mut self, now: u64, refused: &mut u64) -> Result<Option<Request>, ShellError> {
         let Some(packet) = self.operator.receive()? else { return Ok(None) };
@@ -248,59 +323,20 @@ impl Ports {
     }
 
     /// Sends what is measured to whoever needs it: the interpolator gets the last measurement even if there
-    /// is no tick.
+    /// is no tick. In real time all of them look by themselves.
     fn publish(&mut self, measurement: &Measurement, tick: bool) -> Result<(), ShellError> {
+        let wakes = self.clock == Clock::Virtual;
         deliver(&mut self.measurements, measurement)?;
-        self.axes.iter().try_for_each(|from| from.regulator.wake())?;
+        if wakes {
+            self.axes.iter().try_for_each(|from| from.regulator.wake())?;
+        }
         if tick || measurement.last != 0 {
             deliver(&mut self.ticks, measurement)?;
-            self.interpolator.wake()?;
+            if wakes {
+                self.interpolator.wake()?;
+            }
         }
         Ok(())
-    }
-}
-
-/// The launcher has gone: nobody records any more, nobody would end the machine. It is stopped like by an
-/// emergency stop, and ends when it rests, or when it should have come to rest long ago.
-struct Forsaken {
-    cycles: u64,
-    rests: u64,
-    longest: u64,
-}
-
-/// That many control cycles in a row without motion are rest.
-const REST_CYCLES: u64 = 20;
-
-impl Forsaken {
-    fn new(machine: &Machine) -> Forsaken {
-        let ramp_s = machine.spindle.max_rpm / machine.spindle.ramp_rpm_s;
-        let longest = ((3.0 * ramp_s + 10.0) / machine.general.cycle_s) as u64;
-        Forsaken { cycles: 0, rests: 0, longest }
-    }
-
-    /// One control cycle without a launcher.
-    fn asks(&mut self, truth: &Truth) -> Option<Request> {
-        let stands = truth.axes.iter().all(|axis| axis.velocity_mm_s.abs() < 0.01);
-        let stands = stands && truth.spindle_rpm.abs() < SpindleConfig::STANDSTILL_RPM;
-        if self.cycles == 0 {
-            tracing::warn!("the launcher has gone: emergency stop in cycle {}", truth.cycle.0);
-        }
-        self.cycles += 1;
-        self.rests = if stands { self.rests + 1 } else { 0 };
-        (self.cycles == 1).then_some(Request::EmergencyStop)
-    }
-
-    fn is_over(&self) -> bool {
-        self.cycles > self.longest || self.rests > REST_CYCLES
-    }
-
-    /// Nobody but the log will know how it ended.
-    fn tell(&self, now: Cycle) {
-        match (self.cycles, self.rests) {
-            (0, _) => {}
-            (_, 0) => tracing::warn!("the machine has not come to rest by cycle {}", now.0),
-            _ => tracing::warn!("the machine is at rest in cycle {}", now.0),
-        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! The process of one regulator: receive, tick, send.
 
-use protocol::{Axis, AxisCommand, AxisFrame, Cycle, Input, Measurement, Setpoint};
+use machine::Machine;
+use protocol::{Axis, AxisCommand, AxisFrame, AxisStatus, Cycle, DriveCommand, Input, Measurement, Setpoint};
 
 use crate::{
-    ipc::{Member, Port, Process, Receiver, channel, time::Moment},
+    ipc::{ChannelCount, IpcError, Member, Process, Receiver, Sender, Waker, channel, time::Moment},
     shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, record},
 };
 
@@ -30,60 +31,115 @@ fn axis(name: &str) -> Result<Axis, String> {
 /// [`ShellError`] if the machine has no such axis, or the other processes cannot be reached.
 pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
     let RegulatorArgs { axis, process: args } = args;
-    let axis = *axis;
     let machine = args.read_machine()?;
-    if !machine.axis.contains_key(&axis) {
+    if !machine.axis.contains_key(axis) {
         return Err(ShellError::Input(format!("the machine has no axis {axis}")));
     }
-    let mut member = args.join(Process::Regulator(axis))?;
-    let patience = args.patience(&machine);
-    let mut measurements = member.receiver(channel::MEASUREMENT)?;
-    let mut frames = Frames {
-        receiver: member.receiver(channel::AXIS_COMMAND.of(axis))?,
-        next: None,
-        cycles_per_tick: machine.cycles_per_tick(),
-    };
-    let mut drive = member.sender(channel::DRIVE_COMMAND.of(axis), patience)?;
-    let mut status = member.sender(channel::AXIS_STATUS.of(axis), args.recorded())?;
-    let plant = member.waker(Process::Plant)?;
-    let [of_measurement, of_frame] = [Input::Measurement(axis), Input::Frame(axis)];
-    let mut notes = Notes::open(&member, args, [of_frame])?;
-    let ports: [&dyn Port; 6] = [&measurements, &frames.receiver, &drive, &status, &plant, notes.port()];
-    member.start(&ports, Moment::in_s(START_S))?;
-
-    let mut regulator = Regulator::new(&machine, axis);
-    let mut expected = 0;
+    let mut own = Shell::open(args.join(Process::Regulator(*axis))?, args, &machine, *axis)?;
+    own.connect(Moment::in_s(START_S))?;
+    let _set_up = args.set_up(Process::Regulator(*axis))?;
+    own.member.stand_by()?;
+    own.member.begin()?;
     let mut wait = Wait::on(Process::Plant);
-    while !wait.is_in_vain(&mut member) {
-        let Some(measurement) = measurements.receive()?.filter(Measurement::is_whole) else {
-            wait.sleep(&mut member, args.clock)?;
-            continue;
-        };
-        wait = Wait::on(Process::Plant);
-        let frame = frames.due(&mut member, args.clock, &measurement)?;
-        let now = measurement.cycle.0;
-        notes.gap(of_measurement, now, expected)?;
-        expected = now + 1;
-        notes.note(now, of_frame, frame.map(|frame| frame.cycle.0), frames.tick_before(measurement.cycle))?;
-        let out = regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
-        // In lock step the status goes first, so that it is there at the next tick of the interpolator. In
-        // real time the command does, which alone has a deadline.
-        if args.clock == Clock::Virtual {
-            deliver(&mut status, &out.status)?;
-        }
-        deliver(&mut drive, &out.drive)?;
-        plant.wake()?;
-        let last = measurement.last != 0;
-        if args.clock == Clock::Real {
-            record(&mut status, &out.status, last)?;
-        }
-        if last {
-            break;
+    while !wait.is_in_vain(&mut own.member) {
+        match own.answer()? {
+            None => wait.sleep(&mut own.member, args.clock)?,
+            Some(Answered { last: true }) => break,
+            Some(_) => wait = Wait::on(Process::Plant),
         }
     }
-    notes.finish()?;
-    let counts = [measurements.count(), frames.receiver.count(), drive.count(), status.count()];
-    Ok(member.finish(&[counts.as_slice(), &[notes.count()]].concat())?)
+    let counts = own.counts()?;
+    Ok(own.member.finish(&counts)?)
+}
+
+/// A measurement has been answered.
+pub(super) struct Answered {
+    /// It was the last one.
+    last: bool,
+}
+
+/// A regulator with its ports. It has a process of its own, or lives in that of the plant, which then has it
+/// answer what it has published.
+pub(super) struct Shell {
+    pub(super) member: Member,
+    clock: Clock,
+    measurements: Receiver<Measurement>,
+    frames: Frames,
+    drive: Sender<DriveCommand>,
+    status: Sender<AxisStatus>,
+    plant: Waker,
+    notes: Notes,
+    inputs: [Input; 2],
+    regulator: Regulator,
+    /// Cycle of the measurement that comes next.
+    expected: u64,
+}
+
+impl Shell {
+    pub(super) fn open(
+        member: Member,
+        args: &ProcessArgs,
+        machine: &Machine,
+        axis: Axis,
+    ) -> Result<Shell, ShellError> {
+        let frames = member.receiver(channel::AXIS_COMMAND.of(axis))?;
+        let inputs = [Input::Measurement(axis), Input::Frame(axis)];
+        Ok(Shell {
+            clock: args.clock,
+            measurements: member.receiver(channel::MEASUREMENT)?,
+            frames: Frames { receiver: frames, next: None, cycles_per_tick: machine.cycles_per_tick() },
+            drive: member.sender(channel::DRIVE_COMMAND.of(axis), args.patience(machine))?,
+            status: member.sender(channel::AXIS_STATUS.of(axis), args.recorded())?,
+            plant: member.waker(Process::Plant)?,
+            notes: Notes::open(&member, args, [inputs[1]])?,
+            member,
+            inputs,
+            regulator: Regulator::new(machine, axis),
+            expected: 0,
+        })
+    }
+
+    /// Waits until all ports have found their other ends.
+    pub(super) fn connect(&mut self, deadline: Moment) -> Result<(), IpcError> {
+        let Shell { member, measurements, frames, drive, status, plant, notes, .. } = self;
+        member.connect(&[measurements, &frames.receiver, drive, status, plant, notes.port()], deadline)
+    }
+
+    /// Answers the oldest measurement that waits, if one does.
+    pub(super) fn answer(&mut self) -> Result<Option<Answered>, ShellError> {
+        let Some(measurement) = self.measurements.receive()?.filter(Measurement::is_whole) else {
+            return Ok(None);
+        };
+        let Shell { member, clock, frames, drive, status, plant, notes, .. } = self;
+        let frame = frames.due(member, *clock, &measurement)?;
+        let (now, [of_measurement, of_frame]) = (measurement.cycle.0, self.inputs);
+        notes.gap(of_measurement, now, self.expected)?;
+        self.expected = now + 1;
+        notes.note(now, of_frame, frame.map(|frame| frame.cycle.0), frames.tick_before(measurement.cycle))?;
+        let out = self.regulator.tick(&In { measurement: &measurement, frame: frame.as_ref() });
+        let last = measurement.last != 0;
+        match clock {
+            // The status goes first, so that it is there at the next tick of the interpolator.
+            Clock::Virtual => {
+                deliver(status, &out.status)?;
+                deliver(drive, &out.drive)?;
+                plant.wake()?;
+            }
+            // The command does, which alone has a deadline. Nobody sleeps for it.
+            Clock::Real => {
+                deliver(drive, &out.drive)?;
+                record(status, &out.status, last)?;
+            }
+        }
+        Ok(Some(Answered { last }))
+    }
+
+    /// The last word to the recorder, and what went through all ports.
+    pub(super) fn counts(&mut self) -> Result<Vec<ChannelCount>, ShellError> {
+        self.notes.finish()?;
+        let Shell { measurements, frames, drive, status, notes, .. } = self;
+        Ok(vec![measurements.count(), frames.receiver.count(), drive.count(), status.count(), notes.count()])
+    }
 }
 
 /// Frames that have come and those in force.

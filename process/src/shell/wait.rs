@@ -10,7 +10,7 @@ use crate::ipc::{
 };
 
 /// How often a process looks for messages in real time. A wake-up can be lost (see `ipc`), a clock cannot.
-const POLL: Duration = Duration::from_micros(50);
+pub(crate) const POLL: Duration = Duration::from_micros(50);
 /// So long nobody is told.
 const PATIENT: Duration = Duration::from_secs(1);
 
@@ -57,6 +57,13 @@ impl Wait {
                 member.look()?;
             }
         }
+        self.go_on(member)
+    }
+
+    /// Waits in real time for what is not due before a moment: until then, then by looking often.
+    pub(crate) fn sleep_until(&mut self, member: &mut Member, moment: Moment) -> Result<(), ShellError> {
+        sleep_until(moment.max(Moment::now().after(POLL)));
+        member.look()?;
         self.go_on(member)
     }
 

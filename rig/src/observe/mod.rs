@@ -30,6 +30,7 @@ mod outputs;
 mod pass;
 mod pause;
 mod planned;
+mod real_time;
 mod rings;
 mod so_far;
 mod span;
@@ -65,6 +66,7 @@ pub use messages::{Message, MessageReport};
 pub use observation::Observation;
 pub use outputs::{AnalogReport, SignalReport};
 pub use pause::{PauseEnd, PauseReport};
+pub use real_time::{RealTimeReport, SetUpItem};
 pub use rings::{ResumedReport, RingReport};
 pub use summary::{
     AxisLimits, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process, ServoError,

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     AnalogReport, Channel, CuttingReport, GaugeReport, GrooveReport, LimitsUsed, MessageReport, PartReport,
-    PauseReport, ProgramWarning, ResumedReport, SignalReport, StockReport, TapReport, ThreadReport, ToolNote,
-    ToolReport, TraceReport,
+    PauseReport, ProgramWarning, RealTimeReport, ResumedReport, SignalReport, StockReport, TapReport,
+    ThreadReport, ToolNote, ToolReport, TraceReport,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -305,6 +305,9 @@ pub struct Summary {
     pub files: BTreeMap<String, String>,
     /// The processes of the run.
     pub processes: Vec<Process>,
+    /// In real time, what the processes with deadlines say of themselves.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub real_time: Vec<RealTimeReport>,
     /// The channels of the run.
     pub channels: Vec<Channel>,
     /// Faults in the order of their coming.
