@@ -4,16 +4,22 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use gauge::Nominal;
-use interpreter::{Check, Diagnostic, Dialect, Guess, Interpreter, Language, Severity};
+use interpreter::{Check, Diagnostic, Dialect, Entry, Guess, Interpreter, Language, Severity};
 use machine::{Machine, ProgramDialect};
 use protocol::{
-    ByHand, Code, Item, PerAxis, Position,
+    Code, Item,
     code_file::{CodeFile, CodeReader},
 };
 use rig::observe::{Message, Observer, ProgramWarning, Watch};
-use route::{Course, Route};
 
-use crate::{chip::chips_mm, error::CliError, gauged, repeated, screen, words::Phase};
+use crate::{
+    chip::chips_mm,
+    entered,
+    error::CliError,
+    fit::{Fit, changed},
+    gauged, repeated, screen,
+    words::Phase,
+};
 
 /// A program that was read.
 pub(crate) struct Program {
@@ -37,6 +43,8 @@ pub(crate) struct Program {
     pub(crate) gauge: Option<Nominal>,
     /// What the edge takes in each pass of which that is known.
     pub(crate) chips_mm: BTreeMap<u32, f64>,
+    /// Where it is begun, if not at its beginning.
+    pub(crate) entry: Option<Entry>,
 }
 
 impl Program {
@@ -53,7 +61,7 @@ impl Program {
         let program = Program::judge(path, None, language, machine, gauge)?;
         match &program.check {
             Some(check) if !check.is_good() => Err(CliError::Input(program.messages)),
-            _ => Ok(program),
+            _ => entered::begun(program, path, language, machine),
         }
     }
 
@@ -115,6 +123,7 @@ impl Program {
             part_file,
             gauge,
             chips_mm,
+            entry: None,
         })
     }
 
@@ -153,6 +162,7 @@ impl Program {
             part_file: None,
             gauge,
             chips_mm: BTreeMap::new(),
+            entry: None,
         })
     }
 
@@ -172,8 +182,13 @@ impl Program {
             let file = open.map_err(|error| CliError::file(path, error))?;
             return Ok(Box::new(file.map(|item| item.map_err(|error| error.to_string()))));
         }
+        let told = |error: Diagnostic| error.render(false);
+        if language.from.is_some() {
+            let begun = entered::begin(path, language, machine)?;
+            return Ok(Box::new(begun.map(move |item| item.map_err(told))));
+        }
         let interpreter = Interpreter::new(open(path, language, machine)?, machine);
-        Ok(Box::new(interpreter.map(|item| item.map_err(|error| error.render(false)))))
+        Ok(Box::new(interpreter.map(move |item| item.map_err(told))))
     }
 
     /// How many passes of threads there are.
@@ -199,7 +214,10 @@ impl Program {
             tool.origin_mm = check.origins_mm.get(&number).copied();
             tool.diameter_mm = check.diameters_mm.get(&number).copied();
         });
-        gauged::holds(self, observer)
+        match &self.entry {
+            Some(entry) => observer.from_line(entry.line),
+            None => gauged::holds(self, observer),
+        }
     }
 
     /// Files that were read besides the program.
@@ -278,65 +296,9 @@ fn said(dialect: Dialect) -> &'static str {
     if dialect == Dialect::FanucMill { Dialect::Fanuc.name() } else { dialect.name() }
 }
 
-fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Program, CliError> {
+/// Opens a program that is not machine code.
+pub(crate) fn open(path: &Path, language: &Language, machine: &Machine) -> Result<gcode::Program, CliError> {
     interpreter::open(path, language, machine).map_err(|error| CliError::Input(error.to_string()))
-}
-
-/// Whether machine code suits the limits of a machine of the same name that has changed since.
-struct Fit<'m> {
-    machine: &'m Machine,
-    at: PerAxis<Position>,
-    route: Route,
-    /// A trace that cannot be followed was met: why is seen where its time is told.
-    lost: bool,
-}
-
-impl Fit<'_> {
-    fn new(machine: &Machine) -> Fit<'_> {
-        Fit { machine, at: machine.home(), route: Route::new(machine), lost: false }
-    }
-
-    /// Takes the next item; why it does not suit.
-    fn item(&mut self, Item { line, code }: &Item) -> Option<String> {
-        if self.lost {
-            return None;
-        }
-        let Fit { machine, at, route, .. } = self;
-        let what = match code {
-            Code::Pass(pass) if !machine.can_follow(pass) => "a pass its axes cannot follow",
-            Code::Line { target, .. } if !machine.can_reach(target) => "a move beyond its travel",
-            Code::Arc { arc, .. } if !machine.can_turn(at, arc) => {
-                "an arc that leaves its travel, or that is not an arc"
-            }
-            Code::Curve { curve, .. } if !machine.can_curve(at, curve) => "a curve beyond its travel",
-            Code::Line { .. } | Code::Arc { .. } | Code::Curve { .. } | Code::ByHand(_) => {
-                let begins = if let Code::ByHand(ByHand::Begins { at, .. }) = code { Some(at) } else { None };
-                *at = *code.target().or(begins).unwrap_or(at);
-                return None;
-            }
-            Code::Pass(pass) => {
-                machine.axes().for_each(|(axis, _)| at[axis.index()] = pass.axis(axis).end);
-                return None;
-            }
-            Code::Output { .. } | Code::Await { .. } => {
-                let refused = machine.refuses(code)?;
-                return Some(format!("line {line} of the program: {}; {}", refused.message, refused.help));
-            }
-            Code::Formula { slot, formula } => {
-                route.set_formula(*slot, *formula);
-                return None;
-            }
-            Code::Work(trace) => {
-                match Course::new(route, *line, trace, at).and_then(|tracer| tracer.end(route)) {
-                    Ok(end) => *at = end,
-                    Err(_) => self.lost = true,
-                }
-                return None;
-            }
-            _ => return None,
-        };
-        Some(changed(what, *line))
-    }
 }
 
 /// Passes, tools, formulas and traces that the observer of a run keeps in memory, at most.
@@ -344,55 +306,4 @@ const MOST_WATCHED: usize = 1 << 16;
 
 fn too_many() -> String {
     format!("more than {MOST_WATCHED} passes, tools, formulas and traces: cut it in several programs")
-}
-
-fn changed(what: &str, line: u32) -> String {
-    format!("{what} (line {line} of the program): the machine has changed, compile the program again")
-}
-
-#[cfg(test)]
-mod tests {
-    use machine::{Machine, SMALL_MILL};
-    use protocol::{Arc, Axis, Code, Feed, Item, PerAxis, Plane, Position, Set, Shape, Work};
-    use shape::{Contour, Correction, Formula, Op, Side};
-
-    use super::Fit;
-
-    /// A straight contour along X, and half a circle from its end: an arc from there, and none from anywhere
-    /// else.
-    #[test]
-    fn an_arc_behind_a_trace_begins_where_the_trace_ends() {
-        let machine = Machine::from_toml(SMALL_MILL).expect("a mill");
-        let at = |x: f64, y: f64| {
-            let mut at = PerAxis::default();
-            (at[0], at[1]) = (Position::from_mm(x), Position::from_mm(y));
-            at
-        };
-        let formula = Formula::new(&[Op::Variable(0), Op::Constant(0.0), Op::Mul]).expect("a formula");
-        let half = |x: f64| {
-            let (target, center) = (at(x, 30.0), [Position::from_mm(x), Position::from_mm(20.0)]);
-            let arc = Arc { plane: Plane::ALL[0], target, center, turns: 1 };
-            Code::Arc { arc, feed: Feed::PerMinute(1000.0) }
-        };
-        let origin = [10.0, 10.0, 0.0].map(Position::from_mm);
-        let work =
-            Shape::Contour(Contour { x: [0.0, 20.0], radius_mm: 0.0, side: Side::On }, [Axis::X, Axis::Y]);
-        let trace =
-            Work { shape: work, origin, feed_mm_min: 1000.0, chord_mm: 0.001, correction: Correction::Exact };
-        let codes = |x: f64| {
-            let start = Code::Line { target: at(10.0, 10.0), feed: Feed::Rapid };
-            let codes = [start, Code::Formula { slot: 0, formula }, Code::Work(trace), half(x)];
-            (1..).zip(codes).map(|(line, code)| Item { line, code }).collect::<Vec<_>>()
-        };
-        let judged = |codes: Vec<Item>| {
-            let mut fit = Fit::new(&machine);
-            codes.iter().find_map(|item| fit.item(item))
-        };
-        assert_eq!(judged(codes(30.0)), None);
-        let refused = judged(codes(10.0)).expect("the circle of 10 mm does not begin there");
-        assert!(refused.contains("line 4"), "{refused}");
-        let on = Code::Output { number: 3, set: Set::Digital(true), in_step: false };
-        let refused = judged(vec![Item { line: 7, code: on }]).expect("this mill has no outputs");
-        assert!(refused.contains("line 7") && refused.contains("add [outputs.3]"), "{refused}");
-    }
 }

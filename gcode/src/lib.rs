@@ -88,5 +88,5 @@ pub use foreign::foreign;
 pub use guess::{Guess, guess, guess_of_mill};
 pub use options::{DecimalPoint, Dialect, Limits, MachineCode, Options, Skips, UnknownDialect};
 pub use problem::{Diagnostic, Problem, Severity};
-pub use program::{Outlasting, Program, Step};
+pub use program::{Outlasting, Program, Step, Waits};
 pub use text::{job_line, readable};

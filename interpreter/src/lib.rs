@@ -27,6 +27,7 @@
 //! | `reach` | a machine | what it does not have, by name |
 //! | `stock`, `block` | moves, the part of a lathe, of a mill | what is left of it, and warnings |
 //! | `by_hand` | blocks given one by one, with where the axes rest | the items of each |
+//! | `entry` | a program, a line of it | what is in force there, the way there, the rest of its items |
 //! | `output`, `merge` | codes | items in order, lines fewer where they lie near one line |
 //! | `tapping` | a tap | the pass that it is, proved feasible |
 //! | [`thread`] | G33, G76 | passes: laws by spindle angle, proved feasible |
@@ -39,6 +40,7 @@ mod auxiliary;
 mod block;
 mod by_hand;
 mod check;
+mod entry;
 pub mod formula;
 mod frame;
 mod in_step;
@@ -73,6 +75,7 @@ use route::Unworkable;
 pub use by_hand::ByHand;
 use check::diameters_mm;
 pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s, with_times};
+pub use entry::{Begun, Entry, NoEntry};
 pub use gcode::{Diagnostic, Dialect, Guess, Outlasting, Severity};
 pub use job::JobNote;
 pub use options::{

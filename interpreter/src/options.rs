@@ -40,6 +40,9 @@ pub struct Language {
     /// Folder with subroutine files, besides that of the program; may be given several times.
     #[serde(default)]
     pub subroutines: Vec<PathBuf>,
+    /// The line at which the program is begun, from 1; nothing: at its beginning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<u32>,
 }
 
 /// Reads switches of optional blocks; folders of runs of old have a yes or no.

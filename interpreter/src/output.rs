@@ -92,7 +92,7 @@ impl Output {
     }
 
     /// What waits for more leaves as it is.
-    fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         let Output { merger, smoother, items, path_mode, .. } = self;
         merger.finish(&mut |item, rest| smoother.add(item, rest, *path_mode, items));
         smoother.finish(items);

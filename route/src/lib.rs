@@ -2,14 +2,18 @@
 //! feeds and corners.
 //!
 //! ```text
-//! terms  ←  legs  ←  route  ←  course
+//! terms  ←  legs  ←  route  ←  course        in_force  ←  approach
 //! ```
 //!
 //! [`Route`] makes a block of a move, a [`Course`] the blocks of a work, piece by piece. The interpolator
 //! moves along these blocks, and the interpreter foretells how long that takes: both ask here, so that they
 //! mean the same path.
+//!
+//! [`in_force`] reads a program that is not executed, [`approach`] leads a tool to where it is begun then.
 
+pub mod approach;
 mod course;
+pub mod in_force;
 mod legs;
 pub mod positioner;
 mod route;

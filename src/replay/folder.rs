@@ -203,6 +203,7 @@ pub(super) fn of_folder(dir: &Path) -> RunArgs {
         fell: Vec::new(),
         unkept: false,
         resume: false,
+        from: None,
         dry_run: false,
         json: false,
     }

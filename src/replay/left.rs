@@ -61,6 +61,13 @@ impl Left {
             return Err(CliError::Input(format!("{}: {}", dir.display(), Refusal::Complete)));
         }
         let args = arguments(dir, summary.as_ref(), known.map(|(_, state)| state.input))?;
+        if let Some(line) = args.language.from {
+            let text = format!(
+                "was begun at line {line} of its program, and such a run is not gone on with: begin the program at the line at \
+                 which it was broken off (run PROGRAM --from LINE)"
+            );
+            return Err(CliError::file(dir, text));
+        }
         let arrivals = arrivals(dir, known.map_or(0, |(_, state)| state.cycle))?;
         if let Some(by) = arrivals.by_other() {
             let text = format!(

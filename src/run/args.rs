@@ -21,6 +21,7 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock run part.ngc --gauge M20x2-6g
   pitchlock run runs/m20x2-1          the same run again, from its folder
   pitchlock run runs/m20x2-1 --resume goes on with it after a loss of power, an abort or a fault
+  pitchlock run part.ngc --from 27    begins at line 27; with --dry-run it is only shown how
   pitchlock run part.ngc --pace 1     as fast as the machine would be, to watch it
 
 The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
@@ -105,8 +106,13 @@ pub(crate) struct RunArgs {
     /// process and in virtual time; with --tools by another table, if a tool was changed.
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Show where it would begin and how it would get there, and move nothing.
-    #[arg(long, requires = "resume")]
+    /// Begin at this line of the program: everything before is read and not executed, the tool goes there
+    /// from home, and what follows is cut as it is in the whole program.
+    #[arg(long, value_name = "LINE", conflicts_with = "resume")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) from: Option<u32>,
+    /// With --resume or --from: show where it would begin and how it would get there, and move nothing.
+    #[arg(long)]
     pub(crate) dry_run: bool,
     /// Print summary.json to standard output, and nothing else.
     #[arg(long)]

@@ -266,7 +266,7 @@ impl RunFolder {
     /// Arguments that tell the interpreter how to read the program.
     pub(crate) fn language_args(&self) -> Vec<OsString> {
         // Strictness was asked for when the program was judged.
-        let Language { dialect, block_delete, strict: _, tools, parameters, ini, subroutines: _ } =
+        let Language { dialect, block_delete, strict: _, tools, parameters, ini, subroutines: _, from } =
             &self.language;
         let dialect = dialect.map(|dialect| dialect.name());
         let mut args: Vec<OsString> = Vec::new();
@@ -274,6 +274,7 @@ impl RunFolder {
             args.extend(["--dialect".into(), dialect.into()]);
         }
         args.extend(block_delete.iter().map(|switch| format!("--block-delete={switch}").into()));
+        args.extend(from.iter().flat_map(|line| ["--from".into(), line.to_string().into()]));
         for (switch, file) in [("--tools", tools), ("--parameters", parameters), ("--ini", ini)] {
             if let Some(file) = file {
                 args.extend([switch.into(), file.into()]);
@@ -353,6 +354,7 @@ pub(crate) fn arguments_of(args: &RunArgs, folder: &Path, name: &OsStr) -> Resul
         repeated.language.dialect = args.language.dialect.or(kept.dialect);
         repeated.language.block_delete.extend(kept.block_delete);
         repeated.language.strict |= kept.strict;
+        repeated.language.from = args.from.or(kept.from);
     }
     // Of another scenario or another program it was not pressed.
     repeated.presses = there(PRESSES).filter(|_| args.scenario.is_none());

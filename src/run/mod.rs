@@ -23,6 +23,7 @@ mod watchdog;
 
 use std::{path::PathBuf, process::ExitCode};
 
+use interpreter::Entry;
 use machine::Machine;
 use process::{
     ipc::Layout,
@@ -33,6 +34,7 @@ use rig::observe::{Outcome, Summary};
 
 use crate::{
     args::Shop,
+    entered,
     error::CliError,
     panel::Live,
     program::Program,
@@ -108,6 +110,11 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if asked.panel.is_said() && !asked.with_panel {
         return Err(CliError::Input("--port and --listen are of the panel: add --panel".into()));
     }
+    if asked.dry_run && !asked.resume && asked.from.is_none() {
+        return Err(CliError::Input(
+            "--dry-run shows where a run would begin: add --resume, or --from LINE".into(),
+        ));
+    }
     if asked.dry_run {
         return Judged::read(asked, quiet, false).map(|_| ExitCode::SUCCESS);
     }
@@ -131,6 +138,7 @@ pub(crate) fn judged(asked: &RunArgs) -> Result<PathBuf, CliError> {
     let mut args = repeatable(asked)?;
     let Shop { machine, language, .. } = args.machine.with_language(&args.language)?;
     args.language = language;
+    args.language.from = asked.from.or(args.language.from);
     args.with_panel = true;
     Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
     let (scenario, _) = read_scenario(&args, &machine)?;
@@ -162,8 +170,10 @@ impl Judged {
         args.with_panel |= at_a_panel;
         let Shop { machine, text: machine_text, language, notes } =
             args.machine.with_language(&args.language)?;
-        let keeps = Keeps::of(asked, &machine, &language);
         args.language = language;
+        args.language.from = asked.from.or(args.language.from);
+        // What a program leaves is that of a run from its beginning.
+        let keeps = Keeps::of(asked, &machine, &args.language).filter(|_| args.language.from.is_none());
         let seen = Seen::of(&args);
         let mut program =
             Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
@@ -174,6 +184,9 @@ impl Judged {
         }
         let (scenario, scenario_text) = read_scenario(&args, &machine)?;
         can_be_played(&scenario, &args)?;
+        if let Some(entry) = program.entry.as_ref().filter(|_| asked.from.is_some()) {
+            tell(entry, &machine, &args, quiet);
+        }
         let resumed = left
             .map(|left| Resumed::new(left, scenario.clone(), &mut program, [&args, asked]))
             .transpose()?;
@@ -181,6 +194,16 @@ impl Judged {
             resumed.tell(&args, quiet);
         }
         Ok(Judged { args, machine, machine_text, program, scenario, scenario_text, seen, keeps, resumed })
+    }
+}
+
+/// Says where a program is begun: a run on standard error, a dry run on standard output.
+fn tell(entry: &Entry, machine: &Machine, args: &RunArgs, quiet: bool) {
+    match (args.dry_run, args.json) {
+        (true, true) => screen::print(&format!("{:#}\n", entered::as_json(entry, machine))),
+        (true, false) => screen::print(&entered::told(entry, machine)),
+        (false, false) if !quiet => words::say(&entered::told(entry, machine)),
+        _ => {}
     }
 }
 

@@ -8,16 +8,22 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use protocol::{Code, Feed, Item, SpindleSpeed};
 use rig::{
     observe::{Observer, ResumedReport},
-    resume::{Changed, Place, Plan, Stands},
+    resume::{Changed, Plan, Stands},
 };
 use serde_json::{Value, json};
 use sim_plant::{Plant, Scenario};
 
 use super::{args::RunArgs, folder::BEFORE};
-use crate::{error::CliError, journal, program::Program, replay::Left, screen, words};
+use crate::{
+    entered::{in_force, moved},
+    error::CliError,
+    journal,
+    program::Program,
+    replay::Left,
+    screen, words,
+};
 
 /// A run that goes on with another one.
 pub(crate) struct Resumed {
@@ -91,14 +97,14 @@ impl Resumed {
         }
         let _ = writeln!(text, "stands    {}", stands(self.plan.stands));
         for item in &self.plan.way {
-            let _ = writeln!(text, "way       {}", self.moved(item));
+            let _ = writeln!(text, "way       {}", moved(item, &self.left.recorded.machine));
         }
         if let Some(change) = self.change() {
             let _ = writeln!(text, "tool      {change}");
         }
         let what = self.plan.pass.map_or_else(String::new, |pass| format!(", pass {pass}, whole"));
         let _ = writeln!(text, "begins    at line {}{what}", self.plan.line);
-        let _ = writeln!(text, "in force  {}", self.in_force());
+        let _ = writeln!(text, "in force  {}", in_force(&self.plan.modal));
         text
     }
 
@@ -146,32 +152,6 @@ impl Resumed {
         }
     }
 
-    /// What is in force where it begins.
-    fn in_force(&self) -> String {
-        let modal = &self.plan.modal;
-        let tool = modal.tool.map_or_else(|| "no tool".into(), |tool| format!("tool {tool}"));
-        let spindle = match modal.spindle {
-            Some(Code::Spindle { mode, speed: SpindleSpeed::Rpm(rpm) }) => {
-                format!("spindle {:.1} 1/min", mode.sign() * rpm)
-            }
-            Some(Code::Spindle { mode, speed: SpindleSpeed::Surface { mm_s, .. } }) => {
-                format!("spindle at {:.1} m/min", mode.sign() * mm_s * 0.06)
-            }
-            _ => "the spindle stands".into(),
-        };
-        let coolant = match modal.coolant {
-            Some(Code::Coolant { mist, flood }) if mist || flood => "coolant on",
-            _ => "coolant off",
-        };
-        let outputs = match modal.outputs.len() {
-            0 => String::new(),
-            number => {
-                format!(", {} as the program left them", words::counted(number as u64, "output", "outputs"))
-            }
-        };
-        format!("{tool}, {spindle}, {coolant}{outputs}; offsets and feeds as the program has them there")
-    }
-
     fn as_json(&self) -> Value {
         let Plan { modal, line, pass, way, .. } = &self.plan;
         json!({
@@ -179,7 +159,7 @@ impl Resumed {
             "known": self.left.known.as_ref().map(|(record, state)| journal::as_json(*record, state)),
             "not_known": self.unknown(),
             "stands": stands(self.plan.stands),
-            "way": way.iter().map(|item| self.moved(item)).collect::<Vec<String>>(),
+            "way": way.iter().map(|item| moved(item, &self.left.recorded.machine)).collect::<Vec<String>>(),
             "line": line,
             "pass": pass,
             "passes_done": modal.passes,
@@ -187,25 +167,6 @@ impl Resumed {
             "tool": modal.tool,
             "tool_changed_mm": self.plan.changed.map(|changed| changed.by_mm),
         })
-    }
-
-    /// A move in words, in coordinates of the machine.
-    fn moved(&self, item: &Item) -> String {
-        let (target, feed, how) = match &item.code {
-            Code::Line { target, feed } => (target, *feed, "to"),
-            Code::Arc { arc, feed } => (&arc.target, *feed, "back on the arc to"),
-            Code::Curve { curve, feed } => (&curve.target, *feed, "along the curve to"),
-            _ => return String::new(),
-        };
-        let machine = &self.left.recorded.machine;
-        let place = Place::of(machine, target);
-        let radius = if place.y_mm.is_none() { " (X a radius)" } else { "" };
-        let feed = match feed {
-            Feed::Rapid => "rapid".into(),
-            Feed::PerMinute(feed) => format!("{feed} mm/min"),
-            Feed::PerRevolution(feed) => format!("{feed} mm/rev"),
-        };
-        format!("{how} {place} mm of the machine{radius}, {feed}")
     }
 
     /// Keeps in the folder of the new run all that is needed to make the one before again.

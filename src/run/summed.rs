@@ -51,6 +51,9 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
     if let Some(resumed) = &summary.resumed {
         let _ = writeln!(text, "resumed   {}", resumed.told());
     }
+    if let Some(line) = summary.from_line {
+        let _ = writeln!(text, "begun     at line {line}: what is cut before it is not judged");
+    }
     threads(&mut text, summary);
     gauged(&mut text, summary);
     traces(&mut text, summary);

@@ -19,6 +19,7 @@ mod editor;
 mod endings;
 mod experiments;
 mod first_hour;
+mod from_line;
 mod gauge;
 mod jobs;
 mod journal;

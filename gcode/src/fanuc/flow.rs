@@ -96,6 +96,11 @@ impl Flow {
         self.levels.len()
     }
 
+    /// Whether a loop is open.
+    pub(super) fn is_in_loop(&self) -> bool {
+        !self.loops.is_empty()
+    }
+
     /// Whether a file begins here: its O may come.
     pub(super) fn at_beginning(&self) -> bool {
         self.files.mark() == beginning_of(&self.files, self.files.current())

@@ -124,6 +124,21 @@ impl Control {
         if self.line.is_system_b() { system::in_its_words(text) } else { text }
     }
 
+    /// How many subprograms have been called that have not returned.
+    pub(crate) fn depth(&self) -> usize {
+        self.flow.depth()
+    }
+
+    /// Whether a loop is open.
+    pub(crate) fn is_in_loop(&self) -> bool {
+        self.flow.is_in_loop()
+    }
+
+    /// Whether a corner waits for the move that ends it.
+    pub(crate) fn is_at_corner(&self) -> bool {
+        self.modal.pending.is_some()
+    }
+
     /// The files of the program.
     pub(crate) fn files(&self) -> &Files {
         &self.flow.files

@@ -84,6 +84,16 @@ impl Control {
         &self.block
     }
 
+    /// How many subroutines have been called that have not returned.
+    pub(crate) fn depth(&self) -> usize {
+        self.flow.depth()
+    }
+
+    /// Whether a loop is open.
+    pub(crate) fn is_in_loop(&self) -> bool {
+        self.flow.is_in_loop()
+    }
+
     /// The files of the program.
     pub(crate) fn files(&self) -> &Files {
         &self.flow.files

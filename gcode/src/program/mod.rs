@@ -9,6 +9,7 @@
 
 mod by_hand;
 mod findings;
+mod forward;
 mod outlasting;
 mod reader;
 mod startup;
@@ -27,6 +28,7 @@ use crate::problem::{Blame, Diagnostic, Problem};
 use crate::state::State;
 use crate::text::{Files, Source, job};
 use findings::{Findings, diagnostic};
+pub use forward::Waits;
 pub use outlasting::Outlasting;
 use outlasting::Start;
 use reader::Reader;

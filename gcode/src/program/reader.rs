@@ -61,6 +61,15 @@ impl Reader {
         }
     }
 
+    /// How many subroutines have been called that have not returned.
+    pub(super) fn depth(&self) -> usize {
+        match self {
+            Reader::Ngc(reader) => reader.depth(),
+            Reader::Fanuc(reader) => reader.depth(),
+            Reader::Job(_) => 0,
+        }
+    }
+
     /// The block that was read last.
     pub(super) fn block(&self) -> &Block {
         match self {

@@ -149,6 +149,13 @@ impl Memory {
         }
     }
 
+    /// Names that belong to the program, with their values, but those that every program has.
+    pub(crate) fn globals_in_force(&self) -> impl Iterator<Item = (String, f64)> {
+        let own = |name: &str| !matches!(name, "_value" | "_value_returned");
+        let globals = self.names.iter().filter(move |(text, name)| name.global && own(text));
+        globals.filter_map(|(text, name)| Some((format!("#<{text}>"), self.at(*name)?)))
+    }
+
     /// Enters a subroutine: its names are its own, and so are `#1` to `#30` if it takes arguments.
     pub(crate) fn enter(&mut self, arguments: Option<&Arguments>) {
         self.level += 1;

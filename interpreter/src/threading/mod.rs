@@ -117,6 +117,11 @@ impl Threads {
         self.held.is_some()
     }
 
+    /// The line of the one that waits, and how many legs its chain has so far.
+    pub(crate) fn waits_with(&self) -> Option<(u32, usize)> {
+        self.held.as_ref().map(|held| (held.place.line, held.single.legs.len()))
+    }
+
     /// Along which axis the one that waits runs.
     pub(crate) fn waits_along(&self) -> Along {
         self.held.as_ref().map_or(Along::Z, |held| held.single.along())

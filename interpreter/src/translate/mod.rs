@@ -122,6 +122,16 @@ impl Translator {
         self.output.next_item()
     }
 
+    /// Lines that wait for others to become one with leave as they are.
+    pub(crate) fn settle(&mut self) {
+        self.output.settle();
+    }
+
+    /// The line of the G33 that waits, and how many legs its chain has so far.
+    pub(crate) fn waits(&self) -> Option<(u32, usize)> {
+        self.threads.waits_with()
+    }
+
     /// What was found wrong later than at its call, since it was asked last.
     pub(crate) fn take_problems(&mut self) -> Vec<(Place, Problem)> {
         self.output.take_problems()

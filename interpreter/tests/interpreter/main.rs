@@ -7,6 +7,7 @@ mod curves;
 mod cycle;
 mod dialects;
 mod doubts;
+mod entry;
 mod feasible;
 mod formula;
 mod job_keys;

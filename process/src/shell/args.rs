@@ -55,14 +55,17 @@ pub struct LanguageArgs {
     /// Folder with subroutine files, besides that of the program; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub subroutines: Vec<PathBuf>,
+    /// The line at which the program is begun.
+    #[arg(skip)]
+    pub from: Option<u32>,
 }
 
 impl LanguageArgs {
     /// What the interpreter takes.
     pub fn language(&self) -> Language {
-        let LanguageArgs { dialect, block_delete, strict, tools, parameters, ini, subroutines } =
+        let LanguageArgs { dialect, block_delete, strict, tools, parameters, ini, subroutines, from } =
             self.clone();
-        Language { dialect, block_delete, strict, tools, parameters, ini, subroutines }
+        Language { dialect, block_delete, strict, tools, parameters, ini, subroutines, from }
     }
 }
 

@@ -26,6 +26,9 @@ pub struct InterpreterArgs {
     /// Items come one by one from standard input, as `Given` reads them, and the program is none.
     #[arg(long)]
     pub by_hand: bool,
+    /// The line at which the program is begun.
+    #[arg(long)]
+    pub from: Option<u32>,
     /// How it is read.
     #[command(flatten)]
     pub language: LanguageArgs,
@@ -87,7 +90,14 @@ fn items(args: &InterpreterArgs, machine: &Machine) -> Result<Items, ShellError>
     let program = open(path, &args.language.language(), machine)
         .map_err(|error| ShellError::Input(error.to_string()))?;
     let interpreter = Interpreter::new(program, machine);
-    Ok(Box::new(interpreter.map(|item| item.map_err(|error| ShellError::Input(error.render(false))))))
+    let items: Box<dyn Iterator<Item = _>> = match args.from {
+        None => Box::new(interpreter),
+        Some(line) => {
+            let begun = interpreter.from_line(line, machine);
+            Box::new(begun.map_err(|refused| ShellError::Input(refused.to_string()))?)
+        }
+    };
+    Ok(Box::new(items.map(|item| item.map_err(|error| ShellError::Input(error.render(false))))))
 }
 
 /// Most bytes that an item has on its way, which go before it.

@@ -74,6 +74,10 @@ pub(super) fn of(summary: &Summary) -> Verdict {
     if let Some(resumed) = &summary.resumed {
         verdict.say(Grade::Good, format!("It {}.", resumed.told()));
     }
+    if let Some(line) = summary.from_line {
+        let what = "what is cut before it was not cut in this run, so the part as a whole is not judged";
+        verdict.say(Grade::Good, format!("It was begun at line {line}: {what}."));
+    }
     for warning in summary.warnings.iter().filter(|warning| warning.code == TOOL_IN_THREAD) {
         verdict.say(Grade::Bad, format!("Careful: {}.", warning.text));
     }

@@ -49,6 +49,13 @@ impl Observer {
         self
     }
 
+    /// The same observer of a program that is begun at a line: what was cut before is not known to it.
+    #[must_use]
+    pub fn from_line(mut self, line: u32) -> Observer {
+        self.out.from_line = Some(line);
+        self
+    }
+
     /// What all passes come to, those of the runs before included.
     pub(super) fn thread(&self) -> ThreadReport {
         let all: Vec<_> = self.earlier.iter().chain(&self.out.passes).cloned().collect();

@@ -6,7 +6,7 @@
 //! from end to end. Where along the part the whole thread lies is not judged: nobody measures that in µm.
 //! Work from formulas is judged by what its job asks for. Where a gauge is asked for, what it refuses speaks
 //! against the part, and so does a ring that was cut in a loss of power, before a run that goes on; where the
-//! gauge has no verdict, the part has none either.
+//! gauge has no verdict, the part has none either, nor where the program was begun at a line in its middle.
 
 use machine::Threading;
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,9 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
         ));
     }
     let judges = !summary.traces.is_empty() || summary.touched().next().is_some();
-    let undecided = summary.gauge.iter().any(|gauge| gauge.verdict == PartVerdict::None)
+    // What was cut before the line at which a program is begun has been judged by nobody.
+    let undecided = summary.from_line.is_some()
+        || summary.gauge.iter().any(|gauge| gauge.verdict == PartVerdict::None)
         || summary.groove.iter().any(|groove| groove.verdict == PartVerdict::None);
     let verdict = match (reasons.is_empty(), judges && !undecided) {
         (false, _) => PartVerdict::Bad,

@@ -29,6 +29,8 @@ pub struct Observation {
     pub thread: ThreadReport,
     /// The run that this one goes on with.
     pub resumed: Option<ResumedReport>,
+    /// The line at which the program was begun, if not at its beginning.
+    pub from_line: Option<u32>,
     /// What the gauge says, if one was asked for.
     pub gauge: Option<GaugeReport>,
     /// What becomes of the groove that the program draws, if it draws one.
@@ -83,6 +85,7 @@ impl Observation {
             overrides_clamped: self.overrides_clamped,
             passes: self.passes,
             resumed: self.resumed,
+            from_line: self.from_line,
             thread: self.thread,
             gauge: self.gauge,
             groove: self.groove,

@@ -280,6 +280,9 @@ pub struct Summary {
     /// The run that was broken off and that this one goes on with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resumed: Option<ResumedReport>,
+    /// The line at which the program was begun, if not at its beginning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_line: Option<u32>,
     /// `virtual` or `real`.
     pub clock: String,
     /// Seed of everything random about the plant.

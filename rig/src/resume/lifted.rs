@@ -12,12 +12,15 @@
 
 use machine::Machine;
 use protocol::{Axis, Code, Feed, Item, PerAxis, Position, ThreadPass};
+use route::{
+    approach::{BACK, before, down, over},
+    in_force::apart_mm,
+};
 
 use super::{
-    Last, Plan, Stands, State, before, elsewhere, find, is_work, look_ahead,
-    reader::apart_mm,
+    Front, Last, Plan, Stands, State,
     refusal::Refusal,
-    route::{BACK, LED_MM, ON_MM, Step, Way, in_another, is_in_hole, last_change, moves, off, stands_on},
+    ways::{LED_MM, ON_MM, Step, is_in_hole, off},
 };
 
 const Z: usize = Axis::Z as usize;
@@ -32,38 +35,15 @@ pub(super) fn attempt(
     here: &PerAxis<Position>,
     last_move: Last,
 ) -> Result<(Plan, bool), Refusal> {
-    let mut program = program.fuse();
-    let found = find(machine, &mut program, state, last_move)?;
-    let (mut begin, mut steps) = (found.begin, found.steps);
-    look_ahead(&mut steps, &mut program);
-    let Some(mut first) = steps.iter().position(|step| moves(&step.0)) else {
-        return Ok((Plan::new(begin, &steps, Stands::AtRest, Vec::new()), true));
-    };
     let top = top(machine, here);
-    let stood = stands_on(&steps, 0, here);
-    let over = || top.mm_from(here[Z]) < ON_MM || steps[first..].iter().any(|step| is_over(step, here));
-    let mut last = match stood {
-        Some(last) => last,
-        None if over() => first,
-        None => return Err(elsewhere(machine, &steps[first], here)),
-    };
-    if let Some(Item { line, .. }) = steps[..=last].iter().map(|step| step.0).find(is_work) {
-        return Err(Refusal::Work { line });
-    }
+    let above = |steps: &[Step]| top.mm_from(here[Z]) < ON_MM || steps.iter().any(|step| is_over(step, here));
+    let Front { mut begin, mut steps, first, stood, last } =
+        match Front::find(machine, program, state, here, last_move, above)? {
+            Ok(front) => front,
+            Err((begin, steps)) => return Ok((Plan::new(begin, &steps, Stands::AtRest, Vec::new()), true)),
+        };
     if let Some(line) = in_hole(&steps[last..], stood.is_some(), here) {
         return Err(Refusal::Tap { line });
-    }
-    if *state == State::nothing()
-        && stood.is_some()
-        && let Some(tools) = in_another(begin.tool, &steps, last, here)
-    {
-        return Err(Refusal::WhichTool { tools });
-    }
-    if let Some(change) = last_change(begin.tool, &steps[..last]) {
-        // It stands behind that change, so what is before it is done.
-        steps.drain(..=change).for_each(|(item, _)| begin.take(&item));
-        last -= change + 1;
-        first = steps.iter().position(|step| moves(&step.0)).unwrap_or(last);
     }
     let Item { line, code } = steps[last].0;
     let stands = match code {
@@ -76,7 +56,7 @@ pub(super) fn attempt(
         // Where it leads is reached as well.
         steps.drain(..=first).for_each(|(item, _)| begin.take(&item));
     }
-    let way = way(here, top, begin.at, line);
+    let way = over(here, top, begin.at, line);
     let line = steps.first().map_or(line, |step| step.0.line);
     let before = before(&begin, &way, &[], true, line);
     let plan = Plan { before, lifts: true, ..Plan::new(begin, &steps, stands, way) };
@@ -88,23 +68,6 @@ fn top(machine: &Machine, here: &PerAxis<Position>) -> Position {
     machine.home()[Z].max(here[Z])
 }
 
-/// Straight up, over a place, down to it.
-pub(super) fn way(here: &PerAxis<Position>, top: Position, to: PerAxis<Position>, line: u32) -> Vec<Item> {
-    let mut way = Way { items: Vec::new(), at: *here, line };
-    let top = top.max(to[Z]);
-    let [mut up, mut over] = [*here, to];
-    (up[Z], over[Z]) = (top, top);
-    way.go(up, Feed::Rapid);
-    way.go(over, Feed::Rapid);
-    way.go(to, BACK);
-    way.items
-}
-
-/// Takes the move down to the part off the end of a way, if it has one.
-pub(super) fn down(way: &mut Vec<Item>) -> Option<Item> {
-    way.pop_if(|item| matches!(item.code, Code::Line { feed: BACK, .. }))
-}
-
 /// The moves of another tool, from where the way of the one before leads down to its place.
 pub(super) fn arrival(
     machine: &Machine,
@@ -113,10 +76,10 @@ pub(super) fn arrival(
     to: PerAxis<Position>,
 ) -> Vec<Item> {
     let line = down(way).or(way.last().copied()).map_or(0, |item| item.line);
-    let mut over = was;
-    over[Z] = machine.home()[Z].max(was[Z]);
-    let over = way.last().and_then(|item| item.code.target().copied()).unwrap_or(over);
-    self::way(&over, over[Z], to, line)
+    let mut above = was;
+    above[Z] = machine.home()[Z].max(was[Z]);
+    let above = way.last().and_then(|item| item.code.target().copied()).unwrap_or(above);
+    over(&above, above[Z], to, line)
 }
 
 /// Whether a tool is straight over a move.

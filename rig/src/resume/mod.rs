@@ -9,27 +9,28 @@
 //! | a contour that was broken off is begun where its first feed began | there the tool came to it through the air |
 //! | everything before is read and not executed | what is in force follows from the program, not from a guess |
 //! | behind a change of the tool everything before it is done | the tool stands there, and another one does not go over what it did |
-//! | the way there begins where the tool is *measured*: straight out of a groove, back on a contour (`route`) | the tool has been there |
+//! | the way there begins where the tool is *measured*: straight out of a groove, back on a contour (`ways`) | the tool has been there |
 //! | on a mill it begins with the move that was broken off, and the tool goes up, over the place and down (`lifted`) | where a tool stands all above it is free |
 //!
 //! Outputs, tool and path are as the program has them there before anything moves; spindle and coolant go on
 //! where the tool has come to the start.
 
 mod lifted;
-mod reader;
 mod refusal;
 mod retooled;
-mod route;
+mod ways;
 
 use machine::{Kinematics, Machine};
-use protocol::{Code, Feed, Item, PathMode, PerAxis, Position, Set};
+use protocol::{Code, Feed, Item, PerAxis, Position};
+use route::{
+    approach::before,
+    in_force::{Modal, apart_mm, end},
+};
 
 use crate::journal::State;
-pub use reader::Modal;
-use reader::{apart_mm, end};
 pub use refusal::{Place, Refusal};
 pub use retooled::Changed;
-use route::{ON_MM, Step, in_another, last_change, moves, perhaps_in, stands_on, way_back, way_out};
+use ways::{ON_MM, Step, in_another, last_change, moves, perhaps_in, stands_on, way_back, way_out};
 
 /// A contour that is broken off has at most so many items; so far is looked for the place of the tool.
 const MOST: usize = 1 << 14;
@@ -104,6 +105,62 @@ enum Last {
     Done,
 }
 
+/// What is not done, and where in it the tool stands.
+struct Front {
+    /// What is in force where it begins.
+    begin: Modal,
+    /// Items from there on, with the places before them.
+    steps: Vec<Step>,
+    /// The first move that is not done.
+    first: usize,
+    /// The step on which the tool stands, if it is on one; and the one from which it goes on.
+    stood: Option<usize>,
+    /// See there.
+    last: usize,
+}
+
+impl Front {
+    /// Finds it; if nothing moves any more, what is in force and what follows. A tool that is on no step may
+    /// be `above` those that are not done.
+    fn find(
+        machine: &Machine,
+        program: impl Iterator<Item = Item>,
+        state: &State,
+        here: &PerAxis<Position>,
+        last_move: Last,
+        above: impl Fn(&[Step]) -> bool,
+    ) -> Result<Result<Front, (Modal, Vec<Step>)>, Refusal> {
+        let mut program = program.fuse();
+        let Found { mut begin, mut steps, known } = find(machine, &mut program, state, last_move)?;
+        look_ahead(&mut steps, &mut program);
+        let stood = stands_on(&steps, known, here);
+        let first = steps.iter().skip(known).position(|step| moves(&step.0)).map(|first| known + first);
+        let Some(mut first) = first else { return Ok(Err((begin, steps))) };
+        let to = steps[..=stood.unwrap_or(first)].iter().map(|step| step.0).find(is_work);
+        if let Some(Item { line, .. }) = to {
+            return Err(Refusal::Work { line });
+        }
+        let mut last = match stood {
+            Some(last) => last,
+            None if above(&steps[first..]) => first,
+            None => return Err(elsewhere(machine, &steps[first], here)),
+        };
+        if *state == State::nothing()
+            && stood.is_some()
+            && let Some(tools) = in_another(begin.tool, &steps, last, here)
+        {
+            return Err(Refusal::WhichTool { tools });
+        }
+        if let Some(change) = last_change(begin.tool, &steps[..last]) {
+            // It stands behind that change, so what is before it is done: another tool does not go over it.
+            steps.drain(..=change).for_each(|(item, _)| begin.take(&item));
+            last -= change + 1;
+            first = steps.iter().position(|step| moves(&step.0)).unwrap_or(last);
+        }
+        Ok(Ok(Front { begin, steps, first, stood, last }))
+    }
+}
+
 /// A plan, and whether the tool stands on the first move that is not done.
 fn attempt(
     machine: &Machine,
@@ -112,32 +169,11 @@ fn attempt(
     here: &PerAxis<Position>,
     last_move: Last,
 ) -> Result<(Plan, bool), Refusal> {
-    let mut program = program.fuse();
-    let Found { mut begin, mut steps, known } = find(machine, &mut program, state, last_move)?;
-    look_ahead(&mut steps, &mut program);
-    let stood = stands_on(&steps, known, here);
-    let first = steps.iter().skip(known).position(|step| moves(&step.0)).map(|first| known + first);
-    let Some(first) = first else {
-        // Nothing moves any more.
-        return Ok((Plan::new(begin, &steps, Stands::AtRest, Vec::new()), true));
-    };
-    let to = steps[..=stood.unwrap_or(first)].iter().map(|step| step.0).find(is_work);
-    if let Some(Item { line, .. }) = to {
-        return Err(Refusal::Work { line });
-    }
-    let mut last = stood.ok_or_else(|| elsewhere(machine, &steps[first], here))?;
-    if *state == State::nothing()
-        && let Some(tools) = in_another(begin.tool, &steps, last, here)
-    {
-        return Err(Refusal::WhichTool { tools });
-    }
-    let mut first = first;
-    if let Some(change) = last_change(begin.tool, &steps[..last]) {
-        // It stands behind that change, so what is before it is done: another tool does not go back over it.
-        steps.drain(..=change).for_each(|(item, _)| begin.take(&item));
-        last -= change + 1;
-        first = steps.iter().position(|step| moves(&step.0)).unwrap_or(last);
-    }
+    let Front { mut begin, mut steps, first, last, .. } =
+        match Front::find(machine, program, state, here, last_move, |_| false)? {
+            Ok(front) => front,
+            Err((begin, steps)) => return Ok((Plan::new(begin, &steps, Stands::AtRest, Vec::new()), true)),
+        };
     let Item { line, code } = steps[last].0;
     if let Code::Pass(pass) = code
         && pass.returns()
@@ -307,30 +343,4 @@ impl Plan {
         let before = before(&modal, &way, &[], false, first.line);
         Plan { modal, line, pass, stands, way, before, changed: None, lifts: false }
     }
-}
-
-/// What is executed before the rest of a program. A tool that is changed behind the way there `arrives` by
-/// moves of its own. Spindle and coolant go on before what goes by feed: down to the part of a mill.
-fn before(modal: &Modal, way: &[Item], arrives: &[Item], lifts: bool, line: u32) -> Vec<Item> {
-    let item = |code| Item { line, code };
-    let tool = || modal.tool.map(|number| item(Code::Tool { number }));
-    let (mut way, mut arrives, mut down) = (way.to_vec(), arrives.to_vec(), None);
-    let is_new = !arrives.is_empty();
-    if lifts {
-        down = lifted::down(if is_new { &mut arrives } else { &mut way });
-    }
-    let mut before = vec![item(Code::PathMode(PathMode::ExactStop))];
-    // Until another tool is put in, the one that was is in place.
-    before.extend(tool().filter(|_| !is_new));
-    let output = |(number, set): &(u8, Set)| Code::Output { number: *number, set: *set, in_step: false };
-    before.extend(modal.outputs.iter().map(output).map(item));
-    before.extend(way);
-    before.extend(tool().filter(|_| is_new));
-    before.extend(arrives);
-    before.extend(modal.spindle.into_iter().chain(modal.coolant).map(item));
-    before.extend(down);
-    before.push(item(Code::PathMode(modal.path)));
-    before.extend(modal.variation.map(item));
-    before.extend(modal.formulas.values().copied().map(item));
-    before
 }

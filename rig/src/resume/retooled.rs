@@ -11,7 +11,9 @@ use std::collections::BTreeSet;
 use machine::Machine;
 use protocol::{Axis, Code, Curve, Feed, Item, PerAxis, Position, ThreadPass};
 
-use super::{Plan, Refusal, Stands, before, lifted::arrival, reader::Modal};
+use route::{approach::before, in_force::Modal};
+
+use super::{Plan, Refusal, Stands, lifted::arrival};
 
 const Y: usize = Axis::Y as usize;
 

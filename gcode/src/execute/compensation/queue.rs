@@ -60,6 +60,11 @@ pub(crate) struct Waiting {
 }
 
 impl Waiting {
+    /// Whether nothing waits.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.calls.is_empty()
+    }
+
     /// Whether a call has to wait after others.
     pub(crate) fn delays(&self, call: &Call<'_>) -> bool {
         !self.calls.is_empty() && Held::new(*call).is_some()

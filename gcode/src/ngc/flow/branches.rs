@@ -54,6 +54,11 @@ pub(super) struct Open {
 }
 
 impl Open {
+    /// Whether it is executed again and again.
+    pub(super) fn is_loop(&self) -> bool {
+        !matches!(self.kind, Kind::If { .. })
+    }
+
     /// Whether it is the if of this label and one of its branches was executed, so that no other can be.
     pub(super) fn is_taken(&self, label: Label) -> bool {
         self.label == label && self.kind == Kind::If { taken: true }

@@ -174,6 +174,16 @@ impl Flow {
         control.keyword == Keyword::ElseIf && self.open().is_some_and(|open| open.is_taken(control.label))
     }
 
+    /// How many subroutines have been called that have not returned.
+    pub(crate) fn depth(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether a loop is open.
+    pub(crate) fn is_in_loop(&self) -> bool {
+        self.opens.iter().any(Open::is_loop)
+    }
+
     /// What was begun last in the subroutine that is executed.
     fn open(&self) -> Option<&Open> {
         let base = self.frames.last().map_or(0, |frame| frame.opens);

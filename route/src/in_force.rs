@@ -35,7 +35,7 @@ pub struct Modal {
 
 impl Modal {
     /// Before the first item: a machine at home.
-    pub(super) fn new(machine: &Machine) -> Modal {
+    pub fn new(machine: &Machine) -> Modal {
         Modal {
             items: 0,
             steps: 0,
@@ -52,7 +52,7 @@ impl Modal {
     }
 
     /// Behind one more item.
-    pub(super) fn take(&mut self, item: &Item) {
+    pub fn take(&mut self, item: &Item) {
         self.items += 1;
         self.steps += item.steps();
         match item.code {
@@ -79,7 +79,7 @@ impl Modal {
 }
 
 /// Where an item leaves the axes that stand here before it.
-pub(super) fn end(item: &Item, here: &PerAxis<Position>) -> PerAxis<Position> {
+pub fn end(item: &Item, here: &PerAxis<Position>) -> PerAxis<Position> {
     match &item.code {
         code if code.target().is_some() => code.target().copied().unwrap_or(*here),
         Code::Pass(pass) => pass.axes.map(|law| law.end),
@@ -88,10 +88,10 @@ pub(super) fn end(item: &Item, here: &PerAxis<Position>) -> PerAxis<Position> {
 }
 
 /// The axes that carry a tool along a path.
-pub(super) const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+pub const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
 /// How far apart two places are, mm.
-pub(super) fn apart_mm(one: &PerAxis<Position>, other: &PerAxis<Position>) -> f64 {
+pub fn apart_mm(one: &PerAxis<Position>, other: &PerAxis<Position>) -> f64 {
     let [x, y, z] = LINEAR.map(|axis| one[axis.index()].mm_from(other[axis.index()]));
     libm::hypot(libm::hypot(x, y), z)
 }

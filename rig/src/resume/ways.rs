@@ -12,8 +12,10 @@
 //! of what it rises, so what the tool has cut is free for it.
 
 use protocol::{Arc, Axis, Code, Curve, Feed, Item, PerAxis, Position, ThreadPass};
-
-use super::reader::{LINEAR, apart_mm};
+use route::{
+    approach::{BACK, Way, places},
+    in_force::{LINEAR, apart_mm},
+};
 
 /// An axis that was braked stands so far beside its way at most, mm: on a rapid, where axes brake from speeds
 /// of their own, and on a feed.
@@ -26,12 +28,6 @@ pub(super) const LED_MM: f64 = 0.02;
 const NEXT: usize = 3;
 /// How far an axis goes beyond the box of a pass while it brakes, along the thread and across it, mm.
 const BEYOND_MM: [f64; 2] = [8.0, 0.5];
-/// Back over what was cut at this feed, in mm/min.
-pub(super) const BACK: Feed = Feed::PerMinute(400.0);
-/// So many lines stand for a piece of a curve.
-const PLACES: u32 = 32;
-/// An arc shorter than this is left on a line: its angle would not be known, mm.
-const SHORT_MM: f64 = 0.1;
 
 /// One item of the program and where the axes are before it.
 pub(super) type Step = (Item, PerAxis<Position>);
@@ -212,71 +208,19 @@ fn beside_arc_mm(from: &PerAxis<Position>, arc: &Arc, here: &PerAxis<Position>) 
     each.filter(|at| *at <= sweep).map(beside).fold(ends, f64::min)
 }
 
-/// Places on a piece of a curve, so near to each other that lines between them are the piece.
-fn places(from: &PerAxis<Position>, curve: &Curve) -> Vec<PerAxis<Position>> {
-    let Ok(path) = curve.path(from) else { return Vec::new() };
-    let share = |step: u32| f64::from(step) / f64::from(PLACES);
-    let place = |step: u32| {
-        let [gone, ..] = path.at(share(step) * path.length());
-        std::array::from_fn(|axis| from[axis].moved(gone[axis]))
-    };
-    (0..=PLACES).map(place).collect()
-}
-
 /// The one of the lines between places that is nearest, and how far it is, mm.
 fn nearest(places: &[PerAxis<Position>], here: &PerAxis<Position>) -> Option<(usize, f64)> {
     let beside = places.windows(2).map(|pair| beside_line_mm(&pair[0], &pair[1], here)).enumerate();
     beside.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// A way that is being found.
-pub(super) struct Way {
-    pub(super) items: Vec<Item>,
-    pub(super) at: PerAxis<Position>,
-    pub(super) line: u32,
-}
-
-impl Way {
-    pub(super) fn go(&mut self, target: PerAxis<Position>, feed: Feed) {
-        if target != self.at {
-            self.items.push(Item { line: self.line, code: Code::Line { target, feed } });
-            self.at = target;
-        }
+/// Back along a piece of a curve to where it begins.
+fn back_along(way: &mut Way, curve: &Curve, from: &PerAxis<Position>) {
+    let places = places(from, curve);
+    if let Some((line, _)) = nearest(&places, &way.at) {
+        places[..=line].iter().rev().for_each(|place| way.go(*place, BACK));
     }
-
-    /// Straight out of the groove of a pass, along the thread, to a place.
-    fn out_of(&mut self, pass: &ThreadPass, to: PerAxis<Position>) {
-        let across = pass.out.axis as usize;
-        let out = if pass.out.clear >= pass.out.free { 1.0 } else { -1.0 };
-        if out * pass.out.clear.mm_from(self.at[across]) > 0.0 {
-            let mut clear = self.at;
-            clear[across] = pass.out.clear;
-            self.go(clear, Feed::Rapid);
-        }
-        let mut before = to;
-        before[across] = self.at[across];
-        self.go(before, Feed::Rapid);
-        self.go(to, Feed::Rapid);
-    }
-
-    /// Back on an arc to where it begins.
-    fn back_on(&mut self, arc: &Arc, from: &PerAxis<Position>) {
-        if apart_mm(&self.at, from) < SHORT_MM {
-            return self.go(*from, BACK);
-        }
-        let arc = Arc { target: *from, turns: -arc.turns.signum(), ..*arc };
-        self.items.push(Item { line: self.line, code: Code::Arc { arc, feed: BACK } });
-        self.at = *from;
-    }
-
-    /// Back along a piece of a curve to where it begins.
-    fn back_along(&mut self, curve: &Curve, from: &PerAxis<Position>) {
-        let places = places(from, curve);
-        if let Some((line, _)) = nearest(&places, &self.at) {
-            places[..=line].iter().rev().for_each(|place| self.go(*place, BACK));
-        }
-        self.go(*from, BACK);
-    }
+    way.go(*from, BACK);
 }
 
 /// The moves from where the tool stands on the last of these steps to where it was before the first.
@@ -289,7 +233,7 @@ pub(super) fn way_back(steps: &[Step], here: &PerAxis<Position>) -> Vec<Item> {
             Code::Line { feed: Feed::Rapid, .. } => way.go(*from, Feed::Rapid),
             Code::Line { .. } => way.go(*from, BACK),
             Code::Arc { arc, .. } => way.back_on(arc, from),
-            Code::Curve { curve, .. } => way.back_along(curve, from),
+            Code::Curve { curve, .. } => back_along(&mut way, curve, from),
             _ => {}
         }
     }
