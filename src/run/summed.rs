@@ -67,6 +67,14 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
         let _ = writeln!(text, "late      {} answers came after their cycle", summary.deadline_misses);
     }
     for report in &summary.real_time {
+        let times = [("wake-up", &report.wake_up), ("answer", &report.answer), ("frame", &report.frame)];
+        for (what, times) in times.into_iter().filter_map(|(what, times)| Some((what, times.as_ref()?))) {
+            let _ = writeln!(
+                text,
+                "timed     {}: {what} {} µs (median), {} µs (99 %), {} µs (most of {})",
+                report.process, times.median_us, times.p99_us, times.most_us, times.count
+            );
+        }
         for item in report.set_up.iter().filter(|item| !item.done) {
             let _ = writeln!(text, "refused   {}: {}: {}", report.process, item.what, item.text);
         }

@@ -21,6 +21,11 @@ fn channel<'a>(summary: &'a Summary, name: &str) -> &'a Channel {
     summary.channels.iter().find(|channel| channel.name == name).expect("every channel is there")
 }
 
+/// Whether cycles of the machine are missing in its record.
+fn was_lost(summary: &Summary) -> bool {
+    channel(summary, "truth").lost > 0
+}
+
 /// How long an input was without what was due, control cycles, and its longest time.
 fn missed(place: &Place, input: &str) -> (u64, u64) {
     let lines = arrivals(place, "run");
@@ -69,6 +74,21 @@ fn a_process_that_stood_has_missed_the_cycles_that_have_ended_meanwhile() {
         assert!((in_row..=in_row + 1).contains(&most) && late >= unseen, "{late} {most}, unseen {unseen}");
     }
     assert_eq!(summary.deadline_misses, 2 * channel(&summary, "drive-command/x").late);
+    // The ledger of that process has the same: it names the cycle, and how many it has missed behind it.
+    let ledger = summary.real_time.iter().find(|one| one.process == "real-time").expect("it has told");
+    let stood = ledger.late.iter().max_by_key(|late| late.missed).expect("it was late");
+    assert!(ledger.late_in_all > 8 || stood.missed == in_row, "{} {in_row}", stood.missed);
+    let (woke_us, _) = *stood.before_us.last().expect("the cycle itself");
+    assert!(woke_us >= stood.missed * 4000 && stood.before_us.len() <= 64, "{stood:?}");
+    let times = [ledger.wake_up.as_ref(), ledger.answer.as_ref()].map(|times| times.expect("they are timed"));
+    // Every cycle was timed but for those that were missed.
+    assert!(
+        times.iter().all(|times| times.count + unseen == summary.cycles || was_lost(&summary)),
+        "{times:?} {unseen}"
+    );
+    let frames =
+        summary.real_time.iter().find_map(|one| one.frame.as_ref()).expect("the interpolator has told");
+    assert!(frames.count > 0 && frames.median_us <= frames.p99_us && frames.p99_us <= frames.most_us);
     let told = |code: &str| summary.faults.iter().any(|fault| fault.code == code);
     assert!(told("late-answers") || told("measurement-gap"), "{:?}", summary.faults);
     is_the_same_again(&place, "run");

@@ -9,7 +9,7 @@ use protocol::{
 
 use crate::{
     ipc::{IpcError, Member, Patience, Port, Process, Receiver, Sender, Waker, channel, time::Moment},
-    shell::{Clock, Notes, POLL, ProcessArgs, START_S, ShellError, Wait, deliver, record},
+    shell::{Clock, Ledger, Notes, POLL, ProcessArgs, START_S, ShellError, Wait, deliver, record},
 };
 
 use interpolator::{In, Interpolator, Out};
@@ -56,6 +56,22 @@ struct ToInterpreter {
     lost: bool,
 }
 
+impl ToInterpreter {
+    fn open(member: &Member, patience: Patience) -> Result<ToInterpreter, IpcError> {
+        Ok(ToInterpreter {
+            code: member.receiver(channel::MACHINE_CODE)?,
+            credit: member.sender(channel::CREDIT, patience)?,
+            interpreter: member.waker(Process::Interpreter)?,
+            hungry: Wait::on(Process::Interpreter),
+            lost: false,
+        })
+    }
+
+    fn ports(&self) -> [&dyn Port; 3] {
+        [&self.code, &self.credit, &self.interpreter]
+    }
+}
+
 /// Runs the interpolator until the machine may be switched off.
 ///
 /// # Errors
@@ -67,20 +83,14 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     let mut measurements = member.receiver(channel::TICK_MEASUREMENT)?;
     let mut spindle = member.sender(channel::SPINDLE_COMMAND, patience)?;
     let mut status = member.sender(channel::MACHINE_STATUS, args.recorded())?;
-    let mut source = ToInterpreter {
-        code: member.receiver(channel::MACHINE_CODE)?,
-        credit: member.sender(channel::CREDIT, patience)?,
-        interpreter: member.waker(Process::Interpreter)?,
-        hungry: Wait::on(Process::Interpreter),
-        lost: false,
-    };
+    let mut source = ToInterpreter::open(&member, patience)?;
     let axes = machine.axes().map(|(axis, _)| ToAxis::open(&member, axis, patience));
     let mut axes = axes.collect::<Result<Vec<_>, _>>()?;
     let plant = member.waker(Process::Plant)?;
     let inputs = axes.iter().map(|to| Input::Status(to.axis)).chain([Input::Code]);
     let mut notes = Notes::open(&member, args, inputs)?;
-    let mut ports: Vec<&dyn Port> = vec![&measurements, &spindle, &status, &plant];
-    ports.extend([&source.code as &dyn Port, &source.credit, &source.interpreter, notes.port()]);
+    let mut ports: Vec<&dyn Port> = vec![&measurements, &spindle, &status, &plant, notes.port()];
+    ports.extend(source.ports());
     ports.extend(axes.iter().flat_map(|to| [&to.frames as &dyn Port, &to.statuses, &to.regulator]));
     member.connect(&ports, Moment::in_s(START_S))?;
     let _set_up = args.set_up(Process::Interpolator)?;
@@ -88,6 +98,7 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
     member.begin()?;
 
     let mut interpolator = Interpolator::new(&machine);
+    let mut ledger = Ledger::default();
     let mut statuses: PerAxis<AxisStatus> = [AxisStatus::default(); AXES];
     let (mut finished, mut expected) = (false, 0);
     let mut wait = Wait::on(Process::Plant);
@@ -106,7 +117,9 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         wait = Wait::on(Process::Plant);
         next_tick = Moment::now().after(tick.saturating_sub(POLL));
         let now = measurement.cycle.0;
+        let begun = Moment::now();
         notes.gap(Input::TickMeasurement, now, expected)?;
+        let missed = now.saturating_sub(expected) / machine.cycles_per_tick();
         expected = now + machine.cycles_per_tick();
         take_statuses(&mut member, &mut axes, args.clock, &measurement, &mut statuses, &mut notes)?;
         let taken = take_code(&mut member, &mut interpolator, &mut source, args.clock)?;
@@ -121,7 +134,9 @@ pub fn run(args: &ProcessArgs) -> Result<(), ShellError> {
         // each control cycle has a tick, lock step has one behind that.
         finished = measurement.last != 0 || was_finished && enough;
         send(&mut axes, &mut spindle, &plant, &mut status, &out, (args.clock, finished))?;
+        ledger.note_taken(now, begun.elapsed(), missed);
     }
+    args.tell(&ledger, "frame");
     notes.finish()?;
     deliver(&mut source.credit, &Credit::ENOUGH)?;
     source.interpreter.wake()?;

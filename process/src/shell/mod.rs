@@ -7,6 +7,7 @@ mod args;
 mod forsaken;
 pub mod interpolator;
 pub mod interpreter;
+mod ledger;
 mod notes;
 mod pace;
 pub mod plant;
@@ -20,6 +21,7 @@ use std::{
 };
 
 pub use args::{LanguageArgs, Named, ProcessArgs, one_of};
+pub(crate) use ledger::Ledger;
 pub(crate) use notes::Notes;
 pub use pace::{Beat, Missed, Pace};
 pub(crate) use wait::{POLL, Wait};
@@ -127,6 +129,13 @@ impl ProcessArgs {
         }
         set_up.refused().for_each(|item| tracing::warn!("{}", refused(item)));
         Ok(Some(set_up))
+    }
+
+    /// What this process has written down of its deadlines, in real time: a line of JSON, as above.
+    pub(crate) fn tell(&self, ledger: &Ledger, work: &str) {
+        if self.clock == Clock::Real {
+            println!("{}", ledger.told(work));
+        }
     }
 
     /// How long senders wait for a full queue: in lock step for ever, in real time a part of a cycle.

@@ -26,6 +26,11 @@ pub struct Missed {
     pub answer: bool,
     /// So many cycles behind it have ended before they began: nothing was measured in them, nothing answered.
     pub cycles: u64,
+    /// How long after its moment the process woke.
+    pub woke_late: Option<Duration>,
+    /// How long after the moment at which this cycle began it went to sleep, where the moments of all cycles
+    /// are fixed.
+    pub worked: Option<Duration>,
 }
 
 /// How many whole cycles a time has.
@@ -130,14 +135,20 @@ impl Beat {
         if matches!(self.rule, Rule::Free) {
             return Missed::default();
         }
-        let too_late = self.next.passed();
+        let slept = Moment::now();
         sleep_until(self.next);
         let now = Moment::now();
+        let woke_late = self.is_real().then(|| now.since(self.next));
         let Rule::Kept(period) = self.rule else {
             self.next = self.after(now);
-            return Missed::default();
+            return Missed { woke_late, ..Missed::default() };
         };
-        let missed = Missed { answer: too_late, cycles: cycles_in(now.since(self.next), period) };
+        let missed = Missed {
+            answer: slept >= self.next,
+            cycles: cycles_in(now.since(self.next), period),
+            woke_late,
+            worked: Some(slept.since(self.next.before(period))),
+        };
         self.next = self.after(now);
         missed
     }
@@ -227,10 +238,10 @@ mod tests {
     fn cycles_at_a_pace_take_their_time_on_the_wall() {
         let mut paced = beat("2", 0.004);
         let begun = paced.next;
-        (0..10).for_each(|_| paced.wait());
+        assert!((0..10).all(|_| paced.wait() == Missed::default()), "who waits for all misses nothing");
         assert!(begun.elapsed() >= Duration::from_micros(2000) * 9, "nine periods behind the first");
         let mut free = beat("max", 1e9);
-        (0..1000).for_each(|_| free.wait());
+        assert!((0..1000).all(|_| free.wait() == Missed::default()));
         assert!(!free.is_real() && Beat::new(Clock::Real, Pace::MAX, 1.0).is_real());
     }
 }

@@ -24,7 +24,7 @@ use crate::{
         real_time::SetUp, time::Moment,
     },
     shell::{
-        Beat, Clock, Missed, Notes, Pace, ProcessArgs, START_S, ShellError, Wait, deliver,
+        Beat, Clock, Ledger, Missed, Notes, Pace, ProcessArgs, START_S, ShellError, Wait, deliver,
         forsaken::Forsaken, read_text, record, regulator, spindle::SpindleCommands,
     },
 };
@@ -135,7 +135,7 @@ fn beats(
     let mut ports = Ports::open(&member, machine, &args.process)?;
     let _set_up = start(args, &mut member, &ports, &mut regulators)?;
     let mut beat = beat(machine.general.cycle_s);
-    let mut missed = Missed::default();
+    let (mut missed, mut ledger) = (Missed::default(), Ledger::default());
     let mut drives: PerAxis<DriveCommand> = [DriveCommand::default(); AXES];
     let mut in_force = SpindleCommand::default();
     let mut refused = 0;
@@ -158,6 +158,7 @@ fn beats(
                 while own.answer()?.is_some() {}
             }
             missed = beat.wait();
+            ledger.note_slept(now, &missed);
         }
         if beat.is_real() {
             // Nobody sleeps for an event, so the launcher is heard here.
@@ -184,6 +185,7 @@ fn beats(
         plant.tick(&drives, &in_force, request);
     }
     forsaken.tell(plant.truth().cycle);
+    args.process.tell(&ledger, "answer");
     ports.notes.finish()?;
     for own in &mut regulators {
         let counts = own.counts()?;

@@ -5,7 +5,7 @@ use protocol::{Axis, AxisCommand, AxisFrame, AxisStatus, Cycle, DriveCommand, In
 
 use crate::{
     ipc::{ChannelCount, IpcError, Member, Process, Receiver, Sender, Waker, channel, time::Moment},
-    shell::{Clock, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, record},
+    shell::{Clock, Ledger, Notes, ProcessArgs, START_S, ShellError, Wait, deliver, record},
 };
 
 use regulator::{In, Regulator};
@@ -41,13 +41,21 @@ pub fn run(args: &RegulatorArgs) -> Result<(), ShellError> {
     own.member.stand_by()?;
     own.member.begin()?;
     let mut wait = Wait::on(Process::Plant);
+    let mut ledger = Ledger::default();
     while !wait.is_in_vain(&mut own.member) {
-        match own.answer()? {
-            None => wait.sleep(&mut own.member, args.clock)?,
-            Some(Answered { last: true }) => break,
-            Some(_) => wait = Wait::on(Process::Plant),
+        let (begun, expected) = (Moment::now(), own.expected);
+        let Some(Answered { last }) = own.answer()? else {
+            wait.sleep(&mut own.member, args.clock)?;
+            continue;
+        };
+        let missed = own.expected.saturating_sub(expected + 1);
+        ledger.note_taken(own.expected.saturating_sub(1), begun.elapsed(), missed);
+        if last {
+            break;
         }
+        wait = Wait::on(Process::Plant);
     }
+    args.tell(&ledger, "answer");
     let counts = own.counts()?;
     Ok(own.member.finish(&counts)?)
 }

@@ -18,6 +18,7 @@ mod page;
 mod part;
 mod passes;
 mod path;
+mod real_time;
 mod signals;
 mod taps;
 #[cfg(test)]

@@ -7,6 +7,7 @@ use super::Run;
 use super::cutting;
 use super::gauge;
 use super::passes;
+use super::real_time;
 use super::signals;
 use super::taps;
 use super::traces;
@@ -32,6 +33,7 @@ pub(super) fn html(run: &Run) -> String {
         @if traces::any(summary) { (traces::table(summary)) }
         @for table in &drawn.tables { (section(table)) }
         @if let Some(table) = signals::table(summary) { (section(&table)) }
+        @for table in real_time::tables(summary) { (section(&table)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }
         (pictures(&drawn.figures, 1 + usize::from(drawn.part.is_some())))
         (details(summary))

@@ -66,7 +66,7 @@ pub use messages::{Message, MessageReport};
 pub use observation::Observation;
 pub use outputs::{AnalogReport, SignalReport};
 pub use pause::{PauseEnd, PauseReport};
-pub use real_time::{RealTimeReport, SetUpItem};
+pub use real_time::{Counted, LateCycle, RealTimeReport, SetUpItem, Times};
 pub use rings::{ResumedReport, RingReport};
 pub use summary::{
     AxisLimits, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process, ServoError,
