@@ -12,6 +12,12 @@ fn run(place: &Place, program: &str) -> Answer {
     place.ask(&["run", program, "--in-process", "--trace", "none", "--out", "out"])
 }
 
+fn run_on(place: &Place, program: &str, machine: &str) -> Answer {
+    place.clear("out");
+    let alone = ["--in-process", "--trace", "none", "--out", "out", "--machine", machine];
+    place.ask(&[&["run", program][..], &alone].concat())
+}
+
 fn path(name: &str) -> PathBuf {
     project().join("examples").join(name)
 }
@@ -95,6 +101,33 @@ fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
         }
     }
     assert!(others.is_empty(), "{}", others.join("\n\n"));
+}
+
+/// The holes of a mill are judged one by one: the second is cut otherwise, or a hole twice, a little beside.
+#[test]
+fn the_taps_of_a_mill_are_judged_hole_by_hole() {
+    let place = Place::new();
+    let mill = path("machines/small-mill.toml").display().to_string();
+    let program = text("mill/tap-m6.ngc");
+    let second = "G0 X30\nG33.1 Z-14 K1\n";
+    for (to, verdict, why) in [
+        (second, "good", ""),
+        ("G0 X30\nG33.1 Z-14 K1.01\n", "bad", "hole at X 30.000 Y 20.000 of the machine: NO-GO goes in"),
+        ("G0 Y20.1\nG33.1 Z-14 K1\n", "bad", "NO-GO goes in"),
+        ("G0 X10.1\nG33.1 Z-14 K1\n", "bad", "NO-GO goes in"),
+        ("G0 X30\nG4 P0.1\n", "good", ""),
+    ] {
+        assert!(program.contains(second));
+        place.write("other.ngc", program.replace(second, to));
+        let answer = run_on(&place, "other.ngc", &mill);
+        let summary = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
+        let summary: Value = serde_json::from_str(&summary).expect("a document");
+        let gauge = &summary["gauge"];
+        let told = gauge["reasons"][0].as_str().unwrap_or_default();
+        assert!(gauge["verdict"] == verdict && told.contains(why), "{to}: {gauge:#} {}", answer.stderr);
+        assert_eq!(summary["part"]["verdict"], verdict, "{to}");
+        assert_eq!(answer.status, Some(if verdict == "good" { 0 } else { 3 }), "{to}: {}", answer.stderr);
+    }
 }
 
 /// `docs/gauge.md` shows what is said of the example.

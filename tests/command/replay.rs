@@ -34,7 +34,7 @@ pub(crate) fn arrivals(place: &Place, folder: &str) -> Vec<String> {
 }
 
 /// All examples, each with its machine; the first three are made again in every run of the tests.
-const EXAMPLES: [(&str, &str); 28] = [
+const EXAMPLES: [(&str, &str); 29] = [
     ("fanuc/shaft-m24.nc", "machines/small-lathe"),
     ("mill/contour.ngc", "machines/small-mill"),
     ("positioner/points.toml", "machines/positioner"),
@@ -54,6 +54,7 @@ const EXAMPLES: [(&str, &str); 28] = [
     ("fanuc/barrel.nc", "machines/small-lathe"),
     ("fanuc/two-starts.nc", "machines/small-lathe"),
     ("mill/circle.ngc", "machines/small-mill"),
+    ("mill/tap-m6.ngc", "machines/small-mill"),
     ("positioner/cylinders.toml", "machines/positioner"),
     ("positioner/wave.toml", "machines/positioner"),
     ("shape/contour.toml", "machines/small-mill"),

@@ -221,13 +221,17 @@ impl Translator {
         self.gauged.ask(nominal);
     }
 
-    /// A comment may name the thread of a lathe, or describe its insert.
+    /// A comment may name the thread, which on a mill is that of a tap; of a lathe it may describe the
+    /// insert or draw a groove.
     pub(super) fn take_thread(&mut self, text: &str) -> Done {
-        if self.machine.general.kinematics != Kinematics::Lathe {
-            return Ok(());
+        match self.machine.general.kinematics {
+            Kinematics::Positioner => return Ok(()),
+            Kinematics::Mill => {}
+            Kinematics::Lathe => {
+                self.take_insert(text)?;
+                self.gauged.drawing(text)?;
+            }
         }
-        self.take_insert(text)?;
-        self.gauged.drawing(text)?;
         self.gauged.comment(text, self.place())
     }
 

@@ -4,22 +4,22 @@
 
 /// Where a tip was, and at which angle.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+struct Seen<const N: usize> {
     pass: u32,
     deg: f64,
-    tip: [f64; 2],
+    tip: [f64; N],
 }
 
 /// Watches a tip from cycle to cycle.
 #[derive(Clone, Debug)]
-pub(super) struct Crossings {
+pub(super) struct Crossings<const N: usize> {
     stations: usize,
-    before: Option<Seen>,
+    before: Option<Seen<N>>,
 }
 
-impl Crossings {
+impl<const N: usize> Crossings<N> {
     /// Of so many angles.
-    pub(super) fn new(stations: usize) -> Crossings {
+    pub(super) fn new(stations: usize) -> Crossings<N> {
         Crossings { stations, before: None }
     }
 
@@ -33,8 +33,8 @@ impl Crossings {
         &mut self,
         pass: u32,
         deg: f64,
-        tip: [f64; 2],
-        mut each: impl FnMut(usize, [f64; 2]),
+        tip: [f64; N],
+        mut each: impl FnMut(usize, [f64; N]),
     ) {
         let now = Seen { pass, deg, tip };
         let Some(before) = self.before.replace(now).filter(|before| before.pass == pass) else { return };
@@ -43,7 +43,7 @@ impl Crossings {
         let (first, last) = (a.min(b).floor() as i64 + 1, a.max(b).floor() as i64);
         for k in (first..=last).take(n) {
             let share = (k as f64 - a) / (b - a);
-            let place = [0, 1].map(|i| before.tip[i] + share * (now.tip[i] - before.tip[i]));
+            let place = std::array::from_fn(|i| before.tip[i] + share * (now.tip[i] - before.tip[i]));
             each(k.rem_euclid(n as i64) as usize, place);
         }
     }

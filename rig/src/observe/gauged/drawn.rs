@@ -97,7 +97,7 @@ impl GrooveReport {
 #[derive(Clone, Debug)]
 pub(in crate::observe) struct Grooved {
     asked: GrooveAsked,
-    crossings: Crossings,
+    crossings: Crossings<2>,
     /// Tangent of the flank of the tool of each pass that cuts a groove.
     tangents: BTreeMap<u32, f64>,
     spots: Vec<Spot>,

@@ -27,14 +27,14 @@ mod turned;
 use std::{borrow::Cow, collections::BTreeMap};
 
 use gauge::{Edge, Nominal, Place, Sections, Side};
-use machine::Machine;
+use machine::{Kinematics, Machine};
 use protocol::{Axis, ThreadPass, Truth};
 
 use crossings::Crossings;
 pub(super) use drawn::Grooved;
 pub use drawn::{GrooveAsked, GrooveReport};
 pub use report::{GaugeLimits, GaugeReport};
-use tapped::Tap;
+use tapped::{Tap, holes};
 use turned::Turned;
 
 use super::{
@@ -76,11 +76,17 @@ pub(super) struct Gauged {
     edges: BTreeMap<u32, usize>,
     /// Where the thread is judged, along Z.
     full_mm: [f64; 2],
-    crossings: Crossings,
+    crossings: Crossings<3>,
     /// The taps of passes that return.
     taps: BTreeMap<u32, Tap>,
     kept: usize,
+    /// So many are kept at most.
+    places: usize,
     is_full: bool,
+    /// X and Y of the machine where the hole of a mill lies, mm: its taps are seen from there.
+    hole_mm: Option<[f64; 2]>,
+    /// The other holes of a mill, each judged by itself.
+    others: Vec<Gauged>,
     /// Highest number of a pass that was begun.
     begun: u32,
     /// What was turned there.
@@ -94,10 +100,30 @@ pub(super) struct Gauged {
 }
 
 impl Gauged {
-    /// A gauge for the passes of a program.
+    /// A gauge for the passes of a program; on a mill one for each hole.
     pub(super) fn new(machine: &Machine, program: &BTreeMap<u32, Planned>, asked: GaugeAsked) -> Gauged {
+        if machine.general.kinematics != Kinematics::Mill {
+            return Gauged::of(machine, program, asked, None, PLACES);
+        }
+        let holes = holes(program, asked.nominal.pitch_diameter_mm[0]);
+        let places = PLACES / holes.len().max(1);
+        let hole = |(mm, passes): (_, BTreeMap<u32, Planned>)| {
+            Gauged::of(machine, &passes, asked.clone(), Some(mm), places)
+        };
+        let mut holes = holes.into_iter();
+        let first = hole(holes.next().unwrap_or_default());
+        Gauged { others: holes.map(hole).collect(), ..first }
+    }
+
+    fn of(
+        machine: &Machine,
+        program: &BTreeMap<u32, Planned>,
+        asked: GaugeAsked,
+        hole_mm: Option<[f64; 2]>,
+        places: usize,
+    ) -> Gauged {
         let turns: f64 = program.values().map(|planned| planned.pass.done_deg() / 360.0).sum();
-        let room = PLACES as f64 / (SPARE * turns.max(1.0));
+        let room = places as f64 / (SPARE * turns.max(1.0));
         let taps = program.values().any(|planned| planned.pass.returns());
         let room = if taps { room / tapped::TEETH as f64 } else { room };
         let stations = (room as usize).clamp(LEAST, STATIONS);
@@ -106,14 +132,17 @@ impl Gauged {
         let mut gauged = Gauged {
             sections: Sections {
                 edges: Vec::new(),
-                stations: vec![Vec::with_capacity(per_station.min(PLACES / stations)); stations],
+                stations: vec![Vec::with_capacity(per_station.min(places / stations)); stations],
             },
             edges: BTreeMap::new(),
             full_mm: [0.0; 2],
             crossings: Crossings::new(stations),
             taps: BTreeMap::new(),
             kept: 0,
+            places,
             is_full: false,
+            hole_mm,
+            others: Vec::new(),
             begun: 0,
             turned: Turned::new(&asked.nominal, [0.0; 2]),
             far: None,
@@ -125,13 +154,15 @@ impl Gauged {
         let first_mm = program.keys().next().map_or(0.0, |first| gauged.origin_mm(*first)[1]);
         for (number, planned) in program {
             let (nominal, pass) = (&gauged.asked.nominal, &planned.pass);
-            let tap = Tap::of(nominal, pass, stations);
+            let tap = Tap::of(nominal, pass, stations, hole_mm.is_some());
             let edge = match (&tap, pass.returns()) {
                 (Some(_), _) => Tap::edge(nominal),
                 (None, true) => {
                     gauged.other_side |= nominal.side == Side::External;
                     continue;
                 }
+                // An edge that turns with the spindle is no lathe tool.
+                (None, false) if hole_mm.is_some() => continue,
                 (None, false) => edge_of(machine, planned.tool, nominal),
             };
             let edges = &mut gauged.sections.edges;
@@ -156,6 +187,9 @@ impl Gauged {
     /// Takes a control cycle: whether the axes are moved at a feed, and where zero of the program lies for
     /// the tool, if that is known.
     pub(super) fn turns(&mut self, at_a_feed: bool, origin_mm: Option<[f64; 2]>, truth: &Truth) {
+        if self.hole_mm.is_some() {
+            return;
+        }
         let first = || self.asked.origins_mm.values().next().copied();
         let [x, z] = origin_mm.or(self.in_place_mm).or_else(first).unwrap_or_default();
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
@@ -167,6 +201,7 @@ impl Gauged {
     pub(super) fn goes_on(&mut self, now: &Gauged, in_place_mm: Option<[f64; 2]>) {
         self.asked.origins_mm.clone_from(&now.asked.origins_mm);
         self.in_place_mm = in_place_mm;
+        self.others.iter_mut().for_each(|other| other.goes_on(now, in_place_mm));
     }
 
     fn origin_mm(&self, pass: u32) -> [f64; 2] {
@@ -175,17 +210,23 @@ impl Gauged {
 
     /// Takes a control cycle of a pass (M158).
     pub(super) fn cycle(&mut self, pass: &ThreadPass, truth: &Truth) {
+        if let Some(other) = self.others.iter_mut().find(|other| other.edges.contains_key(&pass.pass)) {
+            return other.cycle(pass, truth);
+        }
         let [x, z] = self.origin_mm(pass.pass);
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
-        let tip = [slide(Axis::X) - x, slide(Axis::Z) - z];
+        let tip = match self.hole_mm {
+            Some([x, y]) => [slide(Axis::X) - x, slide(Axis::Y) - y, slide(Axis::Z) - z],
+            None => [slide(Axis::X) - x, 0.0, slide(Axis::Z) - z],
+        };
         self.begun = self.begun.max(pass.pass);
         let (Some(edge), tap) = (self.edges.get(&pass.pass).copied(), self.taps.get(&pass.pass).cloned())
         else {
             return;
         };
         let mut crossings = std::mem::replace(&mut self.crossings, Crossings::new(LEAST));
-        crossings.cycle(pass.pass, truth.spindle_deg, tip, |station, [radius, z_mm]| match &tap {
-            Some(tap) => tap.cuts([radius, z_mm], station, |station, radius_mm, z_mm| {
+        crossings.cycle(pass.pass, truth.spindle_deg, tip, |station, [radius, y, z_mm]| match &tap {
+            Some(tap) => tap.cuts([radius, y, z_mm], station, |station, radius_mm, z_mm| {
                 self.keep(station, Place { z_mm, radius_mm, edge });
             }),
             None => self.keep(station, Place { z_mm, radius_mm: radius.abs(), edge }),
@@ -196,6 +237,7 @@ impl Gauged {
     /// Forgets where the tip was: the pass is over, and may be cut again from its start.
     pub(super) fn pass_ends(&mut self) {
         self.crossings.pass_ends();
+        self.others.iter_mut().for_each(Gauged::pass_ends);
     }
 
     /// Keeps a place that can have cut something of the thread.
@@ -208,23 +250,47 @@ impl Gauged {
             }
             return;
         }
-        self.is_full |= self.kept == PLACES;
+        self.is_full |= self.kept == self.places;
         if !self.is_full {
             self.sections.stations[station].push(place);
             self.kept += 1;
         }
     }
 
-    /// What the gauge says.
+    /// What the gauge says; of several holes, of the worst.
     pub(super) fn report(&self) -> GaugeReport {
+        let told = std::iter::once(self).chain(&self.others).map(Gauged::of_hole);
+        let Some(mut worst) = told.reduce(|one, other| if other.is_worse_than(&one) { other } else { one })
+        else {
+            return self.of_hole();
+        };
+        if !self.others.is_empty() {
+            let holes = 1 + self.others.len();
+            worst
+                .notes
+                .push(format!("{holes} holes, each judged by itself: these are the figures of the worst"));
+        }
+        worst
+    }
+
+    /// What it says of the part of a lathe, or of one hole.
+    fn of_hole(&self) -> GaugeReport {
+        let mut report = self.of_thread();
+        if let (Some([x, y]), false) = (self.hole_mm, report.reasons.is_empty()) {
+            report.reasons[0].insert_str(0, &format!("hole at X {x:.3} Y {y:.3} of the machine: "));
+        }
+        report
+    }
+
+    fn of_thread(&self) -> GaugeReport {
         let nominal = &self.asked.nominal;
         let (planned, [low, high]) = (self.edges.len(), self.full_mm);
         let why = if self.is_full {
-            format!("the thread is too long for the gauge: more than {PLACES} places")
+            format!("the thread is too long for the gauge: more than {} places", self.places)
         } else if self.other_side && self.begun > 0 {
             return GaugeReport::refused(nominal, other_side(nominal));
         } else if planned == 0 {
-            "the program cuts no thread, or it is a tap of several starts or of a taper".into()
+            "the program cuts no thread, or it is a tap of several starts or of a taper, or, on a mill, no tap".into()
         } else if low >= high {
             "the passes have no length of full thread in common".into()
         } else {

@@ -136,6 +136,17 @@ impl GaugeReport {
         }
     }
 
+    /// Whether it is refused and the other is not, has no verdict and the other is good, or is wider.
+    pub(super) fn is_worse_than(&self, other: &GaugeReport) -> bool {
+        let grade = |report: &GaugeReport| match report.verdict {
+            PartVerdict::Bad => 2,
+            PartVerdict::None => 1,
+            PartVerdict::Good => 0,
+        };
+        let wider = self.pitch_diameter_max_mm > other.pitch_diameter_max_mm;
+        grade(self) > grade(other) || grade(self) == grade(other) && wider
+    }
+
     /// The verdict in words, with what speaks for it or against it.
     pub fn sentence(&self) -> String {
         let reasons = self.reasons.join("; ");

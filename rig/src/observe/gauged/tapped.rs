@@ -6,10 +6,11 @@
 //! | P, T | mm, – | pitch of the thread that is asked for; tangents of both flanks together |
 //! | d₂ | mm | pitch diameter of the tap |
 //! | f, j | – | number of a flute and of a tooth on it, from the point on |
-//! | x | mm | how far the axis of the tap lies beside that of the spindle |
+//! | x, y | mm | how far the axis of the tap lies beside that of the hole |
 //!
 //! ```text
 //! (M228) tooth j of flute f cuts at the angle of f/3 of a turn before: r = d₂/2 + 3 P/(8 T) + x cos (2π f/3)
+//!        on a mill, whose tap turns:                          r = d₂/2 + 3 P/(8 T) + x cos C − y sin C
 //!        z = z_point + P (j away − f/3 advance/|advance|);   lower by its chamfer for j < 2½
 //! ```
 //! Nobody tells what a tap is like, so it is a new one of the thread that is asked for: sharp flanks, a flat
@@ -18,10 +19,12 @@
 //! the teeth leave: a lead that is not that of the tap, taps that do not follow each other, an axis beside
 //! that of the spindle.
 
-use std::f64::consts::TAU;
+use std::{collections::BTreeMap, f64::consts::TAU};
 
 use gauge::{Edge, Nominal};
-use protocol::ThreadPass;
+use protocol::{Axis, ThreadPass};
+
+use crate::observe::planned::Planned;
 
 /// Flutes of a tap.
 pub(super) const FLUTES: usize = 3;
@@ -45,11 +48,13 @@ pub(super) struct Tap {
     /// 1 where Z grows with the angle of the spindle.
     grows: f64,
     stations: usize,
+    /// It turns, and the hole stands: a mill.
+    turns: bool,
 }
 
 impl Tap {
     /// The tap of a pass that returns, for a nut; none for anything that no tap cuts.
-    pub(super) fn of(nominal: &Nominal, pass: &ThreadPass, stations: usize) -> Option<Tap> {
+    pub(super) fn of(nominal: &Nominal, pass: &ThreadPass, stations: usize, turns: bool) -> Option<Tap> {
         let is_plain = nominal.sign() < 0.0 && nominal.taper == 0.0 && nominal.starts == 1;
         (pass.returns() && is_plain).then(|| {
             let [least, most] = nominal.pitch_diameter_mm;
@@ -61,6 +66,7 @@ impl Tap {
                 away: -pass.lead_mm.signum(),
                 grows: if nominal.grows { 1.0 } else { -1.0 },
                 stations,
+                turns,
             }
         })
     }
@@ -71,12 +77,18 @@ impl Tap {
     }
 
     /// What its teeth cut where its point is at an angle of the spindle (M228).
-    pub(super) fn cuts(&self, [x, z]: [f64; 2], station: usize, mut each: impl FnMut(usize, f64, f64)) {
+    pub(super) fn cuts(&self, [x, y, z]: [f64; 3], station: usize, mut each: impl FnMut(usize, f64, f64)) {
         for flute in 0..FLUTES {
             let share = flute as f64 / FLUTES as f64;
             let on = self.away * -self.grows * share;
             let before = (station + self.stations - flute * self.stations / FLUTES) % self.stations;
-            let radius = self.tip_mm + x * libm::cos(TAU * share);
+            let beside = if self.turns {
+                let at = TAU * before as f64 / self.stations as f64;
+                x * libm::cos(at) - y * libm::sin(at)
+            } else {
+                x * libm::cos(TAU * share)
+            };
+            let radius = self.tip_mm + beside;
             for tooth in 0..TEETH / FLUTES {
                 let along = self.away * tooth as f64 - self.grows * share;
                 let lacks = (1.0 - (tooth as f64 + on) / CHAMFER).clamp(0.0, 1.0) * self.chamfer_mm;
@@ -84,4 +96,22 @@ impl Tap {
             }
         }
     }
+}
+
+/// The taps of a mill by the holes that they go into: those that begin within a diameter of each other are in
+/// one, which lies where the first of them begins, X and Y.
+pub(super) fn holes(
+    program: &BTreeMap<u32, Planned>,
+    within_mm: f64,
+) -> Vec<([f64; 2], BTreeMap<u32, Planned>)> {
+    let mut holes: Vec<([f64; 2], BTreeMap<u32, Planned>)> = Vec::new();
+    for (number, planned) in program.iter().filter(|(_, planned)| planned.pass.returns()) {
+        let [x, y] = [Axis::X, Axis::Y].map(|axis| planned.pass.axis(axis).start.mm());
+        let known = holes.iter_mut().find(|(at, _)| libm::hypot(at[0] - x, at[1] - y) < within_mm);
+        match known {
+            Some((_, passes)) => _ = passes.insert(*number, planned.clone()),
+            None => holes.push(([x, y], BTreeMap::from([(*number, planned.clone())]))),
+        }
+    }
+    holes
 }
