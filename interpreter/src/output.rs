@@ -89,6 +89,15 @@ impl Output {
     fn smooth(&mut self, item: Item, rest: PerAxis<Position>, mode: PathMode) {
         let Output { merger, smoother, items, .. } = self;
         merger.add(item, rest, mode, &mut |item, rest| smoother.add(item, rest, mode, items));
+        self.place_messages();
+    }
+
+    /// Messages before which it is known now how much there is.
+    fn place_messages(&mut self) {
+        let Output { smoother, items, messages, steps, .. } = self;
+        for met in smoother.met() {
+            messages[met.mark].after = *steps + items.range(..met.items).map(Item::steps).sum::<u64>();
+        }
     }
 
     /// What waits for more leaves as it is.
@@ -96,6 +105,7 @@ impl Output {
         let Output { merger, smoother, items, path_mode, .. } = self;
         merger.finish(&mut |item, rest| smoother.add(item, rest, *path_mode, items));
         smoother.finish(items);
+        self.place_messages();
     }
 
     /// The next item, once it cannot change any more.
@@ -117,10 +127,13 @@ impl Output {
             );
             return;
         }
-        self.settle();
+        let Output { merger, smoother, items, path_mode, .. } = self;
+        merger.finish(&mut |item, rest| smoother.add(item, rest, *path_mode, items));
+        self.smoother.mark(self.messages.len());
         let held = self.items.iter().map(Item::steps).sum::<u64>();
         let message = MessageNote { line: place.line, after: self.steps + held, text: text.trim().into() };
         self.messages.push(message);
+        self.place_messages();
     }
 
     /// What the operator is told.

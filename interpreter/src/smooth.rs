@@ -6,10 +6,10 @@
 //! |---|---|
 //! | four lines or more, end to end, at G64 | rapids, arcs, a line alone |
 //! | X, Y, Z | lines on which another axis moves |
-//! | with one F | another F, which begins another run |
-//! | | lines nearer to the end of travel than they may be left, and all with Q0 |
+//! | with F in mm/min, or all in mm/rev | lines nearer to the end of travel than they may be left, and all with Q0 |
 //!
-//! A piece has the line of the program at its end.
+//! A piece has the line of the program at its end. Where F changes, and where the operator is told something, a
+//! piece ends; one along lines of several feeds has the lowest.
 
 use std::collections::VecDeque;
 
@@ -27,11 +27,32 @@ pub(crate) struct Smoother {
     travel: [[f64; 2]; 3],
     exact_mm: f64,
     run: Option<Run>,
+    /// Marks whose place in the items is known.
+    met: Vec<Met>,
+}
+
+/// A mark, and how many items there are before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Met {
+    pub(crate) mark: usize,
+    pub(crate) items: usize,
+}
+
+/// A line that waits.
+#[derive(Clone, Debug)]
+struct Waiting {
+    item: Item,
+    number: u64,
+    /// Something is told before it.
+    marked: bool,
 }
 
 #[derive(Clone, Debug)]
 struct Run {
-    compressor: Compressor<Item>,
+    compressor: Compressor<Waiting>,
+    /// Lines that were added, and the marks before lines that wait: with the number of the line.
+    lines: u64,
+    marks: VecDeque<(u64, usize)>,
     mode: PathMode,
     /// Where it begins. Curves are fitted from there, so that the same lines elsewhere become the same curve.
     origin: PerAxis<Position>,
@@ -48,7 +69,7 @@ impl Smoother {
             let config = machine.axes().find(|(other, _)| *other == axis);
             config.map_or([0.0; 2], |(_, config)| config.travel_mm)
         });
-        Smoother { travel, exact_mm: machine.path.exact_mm, run: None }
+        Smoother { travel, exact_mm: machine.path.exact_mm, run: None, met: Vec::new() }
     }
 
     /// Takes the next item; `rest` is where the axes are before it. What cannot change any more goes to
@@ -65,23 +86,41 @@ impl Smoother {
             items.push_back(item);
             return;
         };
-        let goes_on =
-            self.run.as_ref().is_some_and(|run| run.mode == mode && run.end == rest && run.feed == feed);
+        let alike = |run: &Run| core::mem::discriminant(&run.feed) == core::mem::discriminant(&feed);
+        let goes_on = self.run.as_ref().is_some_and(|run| run.mode == mode && run.end == rest && alike(run));
         if !goes_on {
             self.finish(items);
         }
         let run = self.run.get_or_insert_with(|| Run::new(rest, mode, feed));
         let Some(target) = item.code.target().copied() else { return };
         run.end = target;
-        let Run { compressor, origin, left, .. } = run;
-        let mut out = |course: Course<'_, Item>| items.push_back(leave(course, origin, left));
-        compressor.add(seen(&target, origin), item, &mut out);
+        let marked = run.marks.back().is_some_and(|(number, _)| *number == run.lines);
+        let line = Waiting { item, number: run.lines, marked };
+        run.lines += 1;
+        let Run { compressor, origin, left, marks, .. } = run;
+        let met = &mut self.met;
+        let mut out = |course: Course<'_, Waiting>| leave(course, origin, left, marks, met, items);
+        compressor.add(seen(&target, origin), line, &mut out);
+    }
+
+    /// A mark before the next line, if lines wait: else its place is known.
+    pub(crate) fn mark(&mut self, mark: usize) {
+        if let Some(run) = &mut self.run {
+            run.marks.push_back((run.lines, mark));
+        }
+    }
+
+    /// Marks whose place has become known.
+    pub(crate) fn met(&mut self) -> impl Iterator<Item = Met> + '_ {
+        self.met.drain(..)
     }
 
     /// What waits leaves.
     pub(crate) fn finish(&mut self, items: &mut VecDeque<Item>) {
-        if let Some(Run { mut compressor, origin, mut left, .. }) = self.run.take() {
-            compressor.finish(&mut |course| items.push_back(leave(course, &origin, &mut left)));
+        if let Some(Run { mut compressor, origin, mut left, mut marks, .. }) = self.run.take() {
+            let met = &mut self.met;
+            compressor.finish(&mut |course| leave(course, &origin, &mut left, &mut marks, met, items));
+            met.extend(marks.iter().map(|(_, mark)| Met { mark: *mark, items: items.len() }));
         }
     }
 
@@ -102,8 +141,10 @@ impl Smoother {
 impl Run {
     fn new(from: PerAxis<Position>, mode: PathMode, feed: Feed) -> Run {
         let leeway = leeway(mode).unwrap_or(Leeway { corner: 0.0, flat: 0.0, tip: 0.0 });
-        let compressor = Compressor::new([0.0; 3], leeway);
-        Run { compressor, mode, origin: from, left: from, end: from, feed }
+        let apart = |a: &Waiting, b: &Waiting| b.marked || a.item.code.feed() != b.item.code.feed();
+        let compressor = Compressor::new([0.0; 3], leeway, apart);
+        let (lines, marks) = (0, VecDeque::new());
+        Run { compressor, lines, marks, mode, origin: from, left: from, end: from, feed }
     }
 }
 
@@ -127,18 +168,40 @@ fn seen(place: &PerAxis<Position>, origin: &PerAxis<Position>) -> [f64; 3] {
     LED.map(|axis| place[axis.index()].mm_from(origin[axis.index()]))
 }
 
-/// The item of a line, or of a piece of a curve, of a run that begins at `origin`; the axes are at `left`.
-fn leave(course: Course<'_, Item>, origin: &PerAxis<Position>, left: &mut PerAxis<Position>) -> Item {
-    let item = match course {
-        Course::Line(item) => *item,
+/// The item of a line, or of a piece of a curve, of a run that begins at `origin`, leaves; the axes are at
+/// `left`. Marks before it are met.
+fn leave(
+    course: Course<'_, Waiting>,
+    origin: &PerAxis<Position>,
+    left: &mut PerAxis<Position>,
+    marks: &mut VecDeque<(u64, usize)>,
+    met: &mut Vec<Met>,
+    items: &mut VecDeque<Item>,
+) {
+    let (item, number) = match course {
+        Course::Line(line) => (line.item.clone(), line.number),
         Course::Bow { bow, over } => {
-            let last = over[over.len() - 1];
-            let feed = last.code.feed().unwrap_or_default();
-            Item { line: last.line, code: Code::Curve { curve: curve(&bow, origin, left), feed } }
+            let last = &over[over.len() - 1];
+            let feeds = over.iter().filter_map(|line| line.item.code.feed());
+            let feed = feeds.reduce(slower).unwrap_or_default();
+            let code = Code::Curve { curve: curve(&bow, origin, left), feed };
+            (Item { line: last.item.line, code }, last.number)
         }
     };
+    while let Some((_, mark)) = marks.pop_front_if(|(first, _)| *first <= number) {
+        met.push(Met { mark, items: items.len() });
+    }
     *left = item.code.target().copied().unwrap_or(*left);
-    item
+    items.push_back(item);
+}
+
+/// The lower of two feeds of a kind.
+fn slower(a: Feed, b: Feed) -> Feed {
+    match (a, b) {
+        (Feed::PerMinute(x), Feed::PerMinute(y)) => Feed::PerMinute(x.min(y)),
+        (Feed::PerRevolution(x), Feed::PerRevolution(y)) => Feed::PerRevolution(x.min(y)),
+        _ => a,
+    }
 }
 
 fn curve(bow: &Bow, origin: &PerAxis<Position>, left: &PerAxis<Position>) -> Curve {

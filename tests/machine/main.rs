@@ -23,4 +23,5 @@ mod soak;
 mod surfaces;
 mod ten_seeds;
 mod thread_quality;
+mod monotone;
 mod timing;

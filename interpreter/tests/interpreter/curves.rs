@@ -49,6 +49,39 @@ fn a_run_of_lines_becomes_a_few_pieces_that_end_where_it_ends() {
     assert!(feeds.windows(2).all(|pair| pair[0].0 <= pair[1].0), "lines of the program in order");
 }
 
+/// Another F and a message end a piece, not the run: every piece has the feed of its lines, and the message its
+/// place among them.
+#[test]
+fn another_f_or_a_message_ends_a_piece_and_not_the_run() {
+    let words = |k: usize| if k % 20 == 10 { "F1000" } else { "F990" };
+    let changes: Vec<(usize, &str)> = (10..400).step_by(10).map(|k| (k, words(k))).collect();
+    let one = good_on(&mill(), &program("G64 P0.01 F990", &wave(), &[]));
+    let check = good_on(&mill(), &program("G64 P0.01 F990", &wave(), &changes));
+    let feeds = feeds(&check);
+    assert_eq!(feeds.len(), curves(&check));
+    assert!(feeds.len() <= curves(&one) + changes.len(), "{} and {}", feeds.len(), curves(&one));
+    // The wave begins with F990, and changes at x = 0.9, 1.9 …; a piece that ends within 0.03 mm has the lower one.
+    for (_, feed, target) in &feeds {
+        let tens = target[0].mm() + 0.1 - 1e-6;
+        let near = (tens - tens.round()).abs() < 0.05;
+        let asked = if (tens as u32).min(39) % 2 == 1 { 1000.0 } else { 990.0 };
+        assert!(near || *feed == Feed::PerMinute(asked), "{feed:?} to {tens}");
+    }
+    for at in [2, 200, 390] {
+        let told = good_on(&mill(), &program("G64 P0.01 F990", &wave(), &[(at, "(MSG, here)")]));
+        assert!(curves(&told) <= curves(&one) + 1, "{at}");
+        let [message] = &told.messages[..] else { panic!("{:?}", told.messages) };
+        let mut steps = 0;
+        let before = told.items.iter().take_while(|item| {
+            steps += item.steps();
+            steps <= message.after
+        });
+        let end = before.filter_map(|item| item.code.target()).last().expect("a move before it");
+        let there = 0.1 * (at - 1) as f64;
+        assert!((end[0].mm() - there).abs() < 0.04, "told at {} instead of {there}", end[0].mm());
+    }
+}
+
 #[test]
 fn what_is_to_be_exact_stays_lines() {
     for start in ["G64 P0.01 Q0 F1000", "G61 F1000", "G61.1 F1000", "G64 P0.0004 F1000"] {

@@ -91,6 +91,11 @@ impl Lines {
         self.places[self.places.len() - 1]
     }
 
+    /// Where a line begins.
+    pub(super) fn start(&self, line: usize) -> f64 {
+        self.places[line]
+    }
+
     /// Length of a line.
     pub(super) fn length(&self, line: usize) -> f64 {
         self.places[line + 1] - self.places[line]

@@ -12,9 +12,15 @@
 //! ```text
 //! lines: | corner | window: fitted; two thirds leave as pieces | the next window overlaps | corner |
 //! ```
-//! A run ends at a corner of more than 30°; there the blends of the chain round what is left. It begins and
-//! ends exactly in a point, in whatever direction is smoothest; along its first and last line it keeps half
+//! A run ends at a corner; there the blends of the chain round what is left, or the machine stops. It begins
+//! and ends exactly in a point, in whatever direction is smoothest; along its first and last line it keeps half
 //! of the tolerance, for the blend there takes the other half.
+//!
+//! ```text
+//! a corner: θ > 2 sin 15°;  or θ > 0.1 and 6P < θℓ of the shorter line and θ > 4 θ′ of both neighbours  (M189)
+//! ```
+//! A spline turns within some P/θ, whatever the lines are. Where that is short against them and nothing around
+//! turns alike, what is followed is no curve but a corner, which a stop or a blend passes faster.
 //!
 //! A long run is fitted in windows, so memory is bounded and pieces leave as the lines come. A window goes on
 //! from the derivatives of the one before, whose last third it fits again with more of the lines ahead. One
@@ -31,12 +37,17 @@ use tube::Tube;
 
 pub use pieces::Bow;
 
-/// Turns by more are corners: 2 sin 15°.
+/// Turns by more are corners: 2 sin 15°. Turns by less than 6° are none,
 const CORNER: f64 = 0.517_638_090_205_041_5;
+const LEAST_CORNER: f64 = 0.1;
+/// and between them those with lines longer than so many P/θ, and by so many times more than both beside them.
+const TIGHT: f64 = 6.0;
+const ALONE: f64 = 4.0;
 /// Share of the tolerance that a spline has in its first and last line: the blend at its end has the other.
 const BESIDE: f64 = 0.5;
-/// A run has so many lines at least.
+/// A run has so many lines at least, and is so many tolerances long: blends at its ends reach over a shorter one.
 const LINES: usize = 4;
+const SHORT: f64 = 40.0;
 /// Intervals of a window, of which a third overlaps with the next one.
 const WINDOW: usize = 96;
 /// Lines after which it is looked whether there are enough for a window, and most lines of one.
@@ -48,6 +59,11 @@ const EFFORTS: [(f64, f64); 3] = [(1.0, 3.0), (0.8, 6.0), (0.6, 6.0)];
 const ENDS: usize = 4;
 /// Behind the middle of the overlap a spline is led off the lines by this share of the one before at most.
 const SHY: f64 = 0.95;
+/// A piece that ends between two lines is so long at least, mm: much shorter ones limit the feed. So a border
+/// nearer to that of an interval is there.
+const LEAST_MM: f64 = 0.03;
+/// Share of a piece in which it may lie on a line that is not one of its own.
+const EDGE: f64 = 1e-6;
 /// An interval may be wider than the last one of the window before by this.
 const WIDER: f64 = 1.3;
 
@@ -123,6 +139,15 @@ impl Fitted {
     }
 }
 
+/// The turn at a point between two others: how far both directions are apart.
+fn turn(from: &Vector, at: &Vector, to: &Vector) -> f64 {
+    let [before, behind] = [less(at, from), less(to, at)].map(|way| {
+        let length = norm(&way);
+        way.map(|x| x / length)
+    });
+    norm(&less(&behind, &before))
+}
+
 /// Takes lines and gives back what becomes of them.
 #[derive(Clone, Debug)]
 pub struct Compressor<T> {
@@ -131,35 +156,64 @@ pub struct Compressor<T> {
     tags: Vec<T>,
     fitted: Option<Fitted>,
     looked: usize,
+    /// Whether a piece ends between two lines.
+    apart: fn(&T, &T) -> bool,
+    /// The last line, which waits for the one behind it, and the turn at its start but one.
+    next: Option<(Vector, T)>,
+    behind: f64,
 }
 
 impl<T> Compressor<T> {
-    /// Nothing in hand; the first line begins at `from`.
+    /// Nothing in hand; the first line begins at `from`. Where two lines are `apart`, a piece ends between them.
     #[must_use]
-    pub fn new(from: [f64; 3], leeway: Leeway) -> Compressor<T> {
-        let lines = Lines::new(from, BESIDE * leeway.corner);
-        Compressor { leeway, lines, tags: Vec::new(), fitted: None, looked: 0 }
+    pub fn new(from: [f64; 3], leeway: Leeway, apart: fn(&T, &T) -> bool) -> Compressor<T> {
+        let (lines, tags) = (Lines::new(from, BESIDE * leeway.corner), Vec::new());
+        Compressor { leeway, lines, tags, fitted: None, looked: 0, apart, next: None, behind: 0.0 }
     }
 
     /// Whether lines wait.
     #[must_use]
     pub fn holds(&self) -> bool {
-        !self.tags.is_empty()
+        !self.tags.is_empty() || self.next.is_some()
     }
 
     /// A line to a point, which has a length; `out` takes what cannot change any more.
     pub fn add(&mut self, to: [f64; 3], tag: T, out: &mut impl FnMut(Course<'_, T>)) {
+        if let Some((point, tag)) = self.next.take() {
+            let ahead = turn(&self.lines.last(), &point, &to);
+            self.take(point, tag, ahead, out);
+        }
+        self.next = Some((to, tag));
+    }
+
+    /// What waits leaves; another line may follow as the first of a run.
+    pub fn finish(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
+        if let Some((point, tag)) = self.next.take() {
+            self.take(point, tag, 0.0, out);
+        }
+        self.end_run(out);
+        self.behind = 0.0;
+    }
+
+    /// A line to a point, at which the next one turns by `ahead`.
+    fn take(&mut self, to: [f64; 3], tag: T, ahead: f64, out: &mut impl FnMut(Course<'_, T>)) {
         let from = self.lines.last();
-        if self.holds() {
-            let (way, before) = (less(&to, &from), self.lines.direction(self.lines.count() - 1));
+        if !self.tags.is_empty() {
+            let way = less(&to, &from);
             let length = norm(&way);
-            let turn: Vector = core::array::from_fn(|i| way[i] / length - before[i]);
-            if norm(&turn) > CORNER {
-                self.finish(out);
+            let before = self.lines.direction(self.lines.count() - 1);
+            let turn = norm(&core::array::from_fn(|i| way[i] / length - before[i]));
+            let within = self.within(turn, length);
+            let shorter = length.min(self.lines.length(self.lines.count() - 1));
+            let alone = turn > LEAST_CORNER
+                && TIGHT * within < turn * shorter
+                && turn > ALONE * self.behind.max(ahead);
+            if turn > CORNER || alone {
+                self.end_run(out);
             } else {
-                let within = self.within(norm(&turn), length);
                 self.lines.widen_last(within);
             }
+            self.behind = turn;
         }
         self.lines.push(to, BESIDE * self.leeway.corner);
         self.tags.push(tag);
@@ -171,11 +225,12 @@ impl<T> Compressor<T> {
         }
     }
 
-    /// What waits leaves; another line may follow as the first of a run.
-    pub fn finish(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
-        while self.holds() {
+    /// The run in hand leaves.
+    fn end_run(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
+        while !self.tags.is_empty() {
             let done = self.fitted.as_ref().is_some_and(|fitted| fitted.reaches == self.lines.count());
-            let few = self.fitted.is_none() && self.lines.count() < LINES;
+            let short = self.lines.total() < SHORT * self.leeway.corner;
+            let few = self.fitted.is_none() && (short || self.lines.count() < LINES);
             if done {
                 self.leave_rest(out);
             } else if few {
@@ -255,13 +310,21 @@ impl<T> Compressor<T> {
 
     /// The next intervals of the spline in hand leave, and the lines along which they lead.
     fn leave(&mut self, count: usize, out: &mut impl FnMut(Course<'_, T>)) {
-        let Some(fitted) = &mut self.fitted else { return };
+        let Some(fitted) = &self.fitted else { return };
         for k in fitted.left..fitted.left + count {
+            let [mut begin, end] = fitted.knots.interval(k);
             let place = |u: f64| self.lines.holding(u - fitted.gone);
-            pieces::along(&fitted.knots, k, &fitted.controls, &mut |bow, [begin, end]| {
-                out(Course::Bow { bow, over: &self.tags[place(begin)..=place(end)] });
-            });
+            for line in place(begin)..place(end) {
+                let border = self.lines.start(line + 1) + fitted.gone;
+                let parts = border - begin > LEAST_MM && end - border > LEAST_MM;
+                if parts && (self.apart)(&self.tags[line], &self.tags[line + 1]) {
+                    self.pieces(fitted, k, [begin, border], out);
+                    begin = border;
+                }
+            }
+            self.pieces(fitted, k, [begin, end], out);
         }
+        let Some(fitted) = &mut self.fitted else { return };
         fitted.left += count;
         let first = if fitted.left == fitted.knots.intervals() {
             self.lines = self.lines.behind(fitted.reaches, BESIDE * self.leeway.corner);
@@ -274,5 +337,14 @@ impl<T> Compressor<T> {
         };
         fitted.reaches -= first;
         self.tags.drain(..first);
+    }
+
+    /// Pieces of an interval of a spline leave, each with the lines of which it has more than a share of itself.
+    fn pieces(&self, fitted: &Fitted, k: usize, part: [f64; 2], out: &mut impl FnMut(Course<'_, T>)) {
+        let place = |u: f64| self.lines.holding(u - fitted.gone);
+        pieces::along(&fitted.knots, k, &fitted.controls, part, &mut |bow, [begin, end]| {
+            let edge = EDGE * (end - begin);
+            out(Course::Bow { bow, over: &self.tags[place(begin + edge)..=place(end - edge)] });
+        });
     }
 }

@@ -39,10 +39,15 @@ fn knot(knots: &Knots, k: usize, u: f64, controls: &[Vector]) -> Knot {
     }
 }
 
-/// The pieces of an interval, with the part of the parameter that each covers.
-pub(super) fn along(knots: &Knots, k: usize, controls: &[Vector], out: &mut impl FnMut(Bow, [f64; 2])) {
-    let [begin, end] = knots.interval(k);
-    part(knots, k, controls, [begin, end], HALVINGS, out);
+/// The pieces of a part of an interval, with the part of the parameter that each covers.
+pub(super) fn along(
+    knots: &Knots,
+    k: usize,
+    controls: &[Vector],
+    of: [f64; 2],
+    out: &mut impl FnMut(Bow, [f64; 2]),
+) {
+    part(knots, k, controls, of, HALVINGS, out);
 }
 
 fn part(

@@ -32,6 +32,10 @@ enum Out {
 }
 
 fn compressed(points: &[Point], leeway: Leeway) -> Vec<Out> {
+    parted(points, leeway, |_, _| false)
+}
+
+fn parted(points: &[Point], leeway: Leeway, apart: fn(&usize, &usize) -> bool) -> Vec<Out> {
     let mut all = Vec::new();
     let mut out = |course: Course<'_, usize>| {
         all.push(match course {
@@ -39,7 +43,7 @@ fn compressed(points: &[Point], leeway: Leeway) -> Vec<Out> {
             Course::Bow { bow, over } => Out::Bow(Box::new(bow), over.to_vec()),
         });
     };
-    let mut compressor = Compressor::new(points[0], leeway);
+    let mut compressor = Compressor::new(points[0], leeway, apart);
     for (line, point) in points.iter().enumerate().skip(1) {
         compressor.add(*point, line, &mut out);
     }
@@ -75,7 +79,7 @@ fn holds(points: &[Point], outs: &[Out], most: f64) -> usize {
             Out::Bow(bow, over) => {
                 let bow: &Bow = bow;
                 assert!(
-                    over[0] <= next && over.windows(2).all(|pair| pair[1] == pair[0] + 1),
+                    over[0] <= next + 1 && over.windows(2).all(|pair| pair[1] == pair[0] + 1),
                     "{over:?} {next}"
                 );
                 assert!(apart(&at, &bow.start[0]) < 1e-9, "a gap at {at:?}");
@@ -216,7 +220,7 @@ fn corners_and_a_few_lines_stay_as_they_are() {
 
 #[test]
 fn a_run_of_a_hundred_thousand_lines_leaves_as_it_comes() {
-    let mut compressor = Compressor::new([0.0; 3], LEEWAY);
+    let mut compressor = Compressor::new([0.0; 3], LEEWAY, |_, _| false);
     let (mut waits, mut most, mut pieces) = (0_usize, 0, 0);
     for k in 1..=100_000_usize {
         waits += 1;
@@ -230,4 +234,47 @@ fn a_run_of_a_hundred_thousand_lines_leaves_as_it_comes() {
         most = most.max(waits);
     }
     assert!(most <= 4200 && pieces > 1500, "{most} lines waited, {pieces} pieces");
+}
+
+/// A piece ends where lines are apart, or within 0.03 mm of there, and the curve goes on as if it did not.
+#[test]
+fn pieces_end_between_lines_that_are_apart() {
+    let mut t = 0.0;
+    let mut points: Vec<Point> = Vec::new();
+    for k in 0..1000 {
+        points.push([20.0 * libm::cos(t), 20.0 * libm::sin(t), 0.0]);
+        t += 0.0025 * (1.0 + 0.2 * libm::sin(f64::from(k)));
+    }
+    let outs = parted(&points, LEEWAY, |a, b| a / 7 != b / 7);
+    holds(&points, &outs, LEEWAY.flat);
+    let (mut borders, mut mixed) = (0, 0);
+    for out in &outs {
+        let Out::Bow(bow, over) = out else { continue };
+        let (first, last) = (over[0], over[over.len() - 1]);
+        for line in (first..last).filter(|line| line / 7 != (line + 1) / 7) {
+            let ends = [&bow.start[0], &bow.end[0]].map(|end| apart(end, &points[line]));
+            assert!(ends[0].min(ends[1]) < 0.03 + LEEWAY.corner, "{ends:?} at line {line}");
+            mixed += 1;
+        }
+        borders += usize::from(last % 7 == 6 && apart(&bow.end[0], &points[last]) < LEEWAY.corner);
+    }
+    assert!(borders > 100 && mixed < 20, "{borders} borders, {mixed} beside one");
+}
+
+/// A corner ends a run that it does not fit into: one of 20° between lines of 5 mm in steps of 0.2 mm.
+#[test]
+fn a_corner_that_stands_alone_ends_a_run() {
+    let leg = |k: usize, [x, y]: [f64; 2], turn: f64| {
+        let way = 0.2 * k as f64;
+        [x + way * libm::cos(turn), y + way * libm::sin(turn), 0.0]
+    };
+    for (turn, runs) in [(0.02, 1), (0.35, 2)] {
+        let mut points: Vec<Point> = (0..=25).map(|k| leg(k, [0.0; 2], 0.0)).collect();
+        points.extend((1..=25).map(|k| leg(k, [5.0, 0.0], turn)));
+        let outs = compressed(&points, LEEWAY);
+        holds(&points, &outs, LEEWAY.flat);
+        let corner =
+            |out: &&Out| matches!(out, Out::Bow(bow, _) if apart(&bow.end[0], &[5.0, 0.0, 0.0]) < 1e-12);
+        assert_eq!(outs.iter().filter(corner).count() + 1, runs, "{turn}");
+    }
 }

@@ -1,0 +1,84 @@
+//! A looser tolerance is never slower, nor is a finer contour: what `check` foretells of random contours of lines with
+//! three decimals, through the compressor and the planning.
+
+use crate::shop::{Place, project};
+use testing::{Seed, count};
+
+/// A closed random contour: radius by angle, a sum of waves, with so many corners.
+struct Contour {
+    waves: Vec<(f64, f64, f64)>,
+    corners: usize,
+}
+
+impl Contour {
+    fn random(random: &mut Seed) -> Contour {
+        let wave = |random: &mut Seed| {
+            let often = f64::from(2 + (random.next() % 9) as u32);
+            (often, random.between(0.2, 3.0) / often, random.between(0.0, 6.0))
+        };
+        Contour { waves: (0..3).map(|_| wave(random)).collect(), corners: (random.next() % 4) as usize }
+    }
+
+    fn at(&self, turn: f64) -> [f64; 2] {
+        let radius: f64 = 12.0 + self.waves.iter().map(|(n, size, lag)| size * libm::sin(n * turn + lag)).sum::<f64>();
+        // A flat cut off the side of the contour has two corners.
+        let cut = |x: f64, k: usize| if self.corners > k { x.min(8.0) } else { x };
+        let (sin, cos) = libm::sincos(turn);
+        [cut(radius * cos, 0), cut(radius * sin, 2)]
+    }
+
+    /// Lines of nearly so many mm.
+    fn program(&self, chord_mm: f64, mode: &str) -> String {
+        let lines = (80.0 / chord_mm) as u32;
+        let mut text = format!("G21 G90 G94 G17 {mode} F6000\n");
+        for i in 0..=lines {
+            let [x, y] = self.at(std::f64::consts::TAU * f64::from(i) / f64::from(lines));
+            text += &format!("G{} X{x:.3} Y{y:.3}\n", i.min(1));
+        }
+        text + "M2\n"
+    }
+}
+
+/// Time that `check` foretells, s.
+fn foretold(place: &Place, text: &str) -> f64 {
+    let program = place.write("contour.ngc", text);
+    let mill = project().join("examples/machines/small-mill.toml");
+    let [program, mill] = [&program, &mill].map(|path| path.to_str().expect("a path in UTF-8"));
+    let answer = place.ask(&["check", program, "--machine", mill, "--json"]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stdout);
+    let document: serde_json::Value = serde_json::from_str(&answer.stdout).expect("a document");
+    document["time_s"].as_f64().expect("a time")
+}
+
+/// `PITCHLOCK_CONTOURS` contours instead of four.
+#[test]
+fn a_larger_p_or_q_and_shorter_lines_are_never_slower() {
+    let place = Place::new();
+    let mut worst: [(f64, String); 3] = Default::default();
+    for case in 0..count("PITCHLOCK_CONTOURS", 4) {
+        let contour = Contour::random(&mut Seed::of_case(4700 + case));
+        let mut compare = |kind: usize, programs: Vec<(String, String)>| {
+            let mut least = (f64::INFINITY, String::new());
+            for (name, text) in programs {
+                let time = foretold(&place, &text);
+                if time / least.0 > worst[kind].0 {
+                    worst[kind] = (time / least.0, format!("contour {case}: {name} beside {}", least.1));
+                }
+                if time < least.0 {
+                    least = (time, name);
+                }
+            }
+        };
+        let modes = |modes: &[String]| modes.iter().map(|m| (m.clone(), contour.program(0.2, m))).collect();
+        let of_p = [0.002, 0.004, 0.01, 0.02, 0.05, 0.1].map(|p| format!("G64 P{p}"));
+        let of_q = [0.0, 0.001, 0.002, 0.005, 0.01, 0.02].map(|q| format!("G64 P0.02 Q{q}"));
+        compare(0, modes(&of_p));
+        compare(1, modes(&of_q));
+        let finer = [0.8, 0.4, 0.2, 0.1].map(|mm| (format!("{mm} mm"), contour.program(mm, "G64 P0.01")));
+        compare(2, finer.into());
+    }
+    println!("{worst:?}");
+    for (slower, which) in worst {
+        assert!(slower <= 1.005, "{slower} times as long: {which}");
+    }
+}
