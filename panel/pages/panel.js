@@ -74,6 +74,7 @@ function show(news) {
   if ("mode" in news || "by_hand" in news) hands();
   if ("by_hand" in news && !state.program?.text) text();
   if (news.offsets || news.machine) offsets();
+  if (news.playback || "time_s" in news && state.playback) player();
   if ("seat" in news) keys();
   $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}; ${state.words}` : state.words || "–";
   const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused" }[state.state];
@@ -110,7 +111,8 @@ function keys() {
   $("seat").textContent = mine ? "You hold the keys" : state.seat ? `${state.seat} holds the keys: you watch` : "Nobody holds the keys";
   $("take").textContent = mine ? "Give them back" : state.seat ? "Take over" : "Take the keys";
   $("take").disabled = !live;
-  for (const key of document.querySelectorAll(".keys button,.keys input,.knobs input")) key.disabled = !mine || !live;
+  for (const key of document.querySelectorAll(".keys button,.keys input,.knobs input")) key.disabled = !mine || !live || !!state.playback;
+  for (const key of document.querySelectorAll(".player button,.player input")) key.disabled = !mine || !live;
   hands();
 }
 
@@ -244,6 +246,19 @@ function letGo() {
   jogging = beats = null;
   ask("let-go");
   hands();
+}
+
+// A recording.
+let sought = false;
+function player() {
+  const { of, speed, until_s, outcome } = state.playback;
+  document.querySelector(".player").hidden = false;
+  document.title = "recording · " + of;
+  $("playback").textContent = `${of}, ${outcome}: ${number(state.time_s ?? 0, 3)} of ${number(until_s, 3)} s, cycle ${state.cycle ?? 0}, ${speed ? speed + " times as fast" : speed === 0 ? "stands" : "goes there"}.`;
+  $("play").textContent = speed ? "Pause" : "Play";
+  $("seek").max = until_s;
+  if (!sought) $("seek").value = state.time_s ?? 0;
+  keys();
 }
 
 // Offsets and tools: X of a lathe is shown as a diameter.
@@ -389,6 +404,12 @@ function view(canvas, right, up, here, height) {
 for (const key of document.querySelectorAll("[data-do]")) key.onclick = () => press(key.dataset.do);
 $("mdi").onsubmit = (event) => { event.preventDefault(); press("mdi", $("block").value); };
 $("touch").onsubmit = (event) => { event.preventDefault(); const into = $("touch-into").value; press("touch-off", { axis: $("touch-axis").value, value: Number($("touch-value").value), ...(into && { tool: Number(into) }) }); };
+$("play").onclick = () => press("play", state.playback.speed ? 0 : Number($("speed").value));
+$("speed").onchange = () => { if (state.playback.speed) press("play", Number($("speed").value)); };
+$("step-one").onclick = () => press("step", 1);
+$("step-many").onclick = () => press("step", Math.round(0.1 / state.machine.cycle_s));
+$("seek").oninput = () => { sought = true; };
+$("seek").onchange = () => { sought = false; press("seek", Number($("seek").value)); };
 $("offset").onsubmit = (event) => { event.preventDefault(); setOffset("set"); };
 $("offset-add").onclick = () => setOffset("add");
 $("offset-of").onchange = chosen;

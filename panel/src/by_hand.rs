@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::wire::HandAsked;
+use crate::wire::{HandAsked, Play};
 
 /// Most characters of a block.
 const LONGEST_BLOCK: usize = 512;
@@ -94,6 +94,30 @@ pub(crate) fn offset(value: &Value) -> Read {
             Ok(HandAsked::Offset { of, words: words.into_iter().collect(), add: adds })
         }
         _ => Err(what),
+    }
+}
+
+/// A recording is played at a speed.
+pub(crate) fn play(value: &Value) -> Read {
+    match value.as_f64() {
+        Some(speed) if (0.0..=1000.0).contains(&speed) => Ok(HandAsked::Play(Play::Speed(speed))),
+        _ => Err("value is how many times as fast as the machine was, 0 to 1000; 0 stands"),
+    }
+}
+
+/// A recording goes on by some cycles.
+pub(crate) fn step(value: &Value) -> Read {
+    match value.as_u64() {
+        Some(cycles @ 1..=1_000_000) => Ok(HandAsked::Play(Play::Step(cycles))),
+        _ => Err("value is how many control cycles, 1 to 1000000"),
+    }
+}
+
+/// A recording stands at a time.
+pub(crate) fn seek(value: &Value) -> Read {
+    match value.as_f64() {
+        Some(time) if (0.0..=1e6).contains(&time) => Ok(HandAsked::Play(Play::Seek(time))),
+        _ => Err("value is a time on the machine, s"),
     }
 }
 

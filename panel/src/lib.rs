@@ -15,7 +15,7 @@ pub use link::Link;
 pub use press::{DOES, Does, Refusal, pressed};
 pub use seen::{AxisSeen, Fault, Knobs, MachineSeen, Message, PassSeen, ProgramSeen, Seen, SpindleSeen};
 pub use server::serve;
-pub use wire::{FromPanel, HandAsked, Point, ToPanel};
+pub use wire::{FromPanel, HandAsked, Play, Point, ToPanel};
 
 /// The pages, as they are sent: path, kind, content.
 pub const PAGES: [(&str, &str, &str); 3] = [

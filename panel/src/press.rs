@@ -33,7 +33,7 @@ pub enum Does {
 }
 
 /// Every word, in the order of the documentation.
-pub const DOES: [(&str, Does); 22] = [
+pub const DOES: [(&str, Does); 25] = [
     ("start", Does::Button(Request::CycleStart)),
     ("hold", Does::Button(Request::FeedHold)),
     ("stop", Does::Button(Request::Stop)),
@@ -54,6 +54,9 @@ pub const DOES: [(&str, Does); 22] = [
     ("touch-off", Does::Hand(by_hand::touch_off)),
     ("offset", Does::Hand(by_hand::offset)),
     ("spindle", Does::Hand(by_hand::spindle)),
+    ("play", Does::Hand(by_hand::play)),
+    ("step", Does::Hand(by_hand::step)),
+    ("seek", Does::Hand(by_hand::seek)),
     ("home", Does::NotYet),
     ("tool-change", Does::NotYet),
 ];
@@ -170,6 +173,7 @@ fn asked(word: &str, value: &Value, name: String) -> Result<(String, Asked), Ref
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::Play;
 
     fn refused(text: &str) -> (Value, &'static str, String) {
         match read(text.as_bytes()) {
@@ -190,6 +194,9 @@ mod tests {
                     "touch-off" => ",\"value\":{\"axis\":\"Z\",\"value\":-2.5,\"tool\":3}",
                     "offset" => ",\"value\":{\"of\":\"T3\",\"add\":{\"X\":-0.025}}",
                     "spindle" => ",\"value\":-300",
+                    "play" => ",\"value\":0.5",
+                    "step" => ",\"value\":100",
+                    "seek" => ",\"value\":2.5",
                     _ => "",
                 },
                 _ => "",
@@ -206,6 +213,9 @@ mod tests {
                         "mdi" => HandAsked::Block("G0 X1".into()),
                         "jog" => HandAsked::Jog { axis: "Z".into(), positive: false, mm_min: 5.0 },
                         "jog-on" => HandAsked::JogOn,
+                        "play" => HandAsked::Play(Play::Speed(0.5)),
+                        "step" => HandAsked::Play(Play::Step(100)),
+                        "seek" => HandAsked::Play(Play::Seek(2.5)),
                         "touch-off" => HandAsked::TouchOff { axis: "Z".into(), value: -2.5, tool: Some(3) },
                         "offset" => {
                             HandAsked::Offset { of: "T3".into(), words: vec![('X', -0.025)], add: true }
@@ -260,6 +270,9 @@ mod tests {
                 "{\"id\":1,\"do\":\"offset\",\"as\":\"me\",\"value\":{\"of\":\"T3\",\"set\":{\"X\":1},\"add\":{\"X\":1}}}",
                 "bad-value",
             ),
+            ("{\"id\":1,\"do\":\"play\",\"as\":\"me\",\"value\":-1}", "bad-value"),
+            ("{\"id\":1,\"do\":\"step\",\"as\":\"me\",\"value\":0.5}", "bad-value"),
+            ("{\"id\":1,\"do\":\"seek\",\"as\":\"me\"}", "bad-value"),
             ("{\"id\":1,\"do\":\"format\",\"as\":\"me\"}", "unknown"),
         ];
         for (text, code) in cases {

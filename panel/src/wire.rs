@@ -86,8 +86,22 @@ pub enum HandAsked {
         /// They are added to what is there.
         add: bool,
     },
+    /// A recording is played.
+    Play(Play),
     /// The spindle turns at this speed, 1/min; negative counterclockwise, 0 not at all.
     Spindle(f64),
+}
+
+/// How a recording is played.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Play {
+    /// So many seconds of the machine in each on the wall; 0 stands.
+    Speed(f64),
+    /// So many control cycles, then it stands.
+    Step(u64),
+    /// It stands at this time on the machine, s.
+    Seek(f64),
 }
 
 /// Panel → launcher: a press, as [`OperatorRequest`](protocol::OperatorRequest) numbers it, or what is

@@ -34,6 +34,7 @@ impl Live {
             HandAsked::On => Press::Hand,
             HandAsked::JogOn => Press::JogOn,
             HandAsked::Offset { .. } => Press::Table,
+            HandAsked::Play(_) => Press::Play,
             _ => Press::Block,
         };
         let Some(hand) = self.hand.as_mut().filter(|_| self.mode.refuses(press).is_none()) else {

@@ -1,16 +1,46 @@
 //! What is known of a run before it begins, for whoever looks at its cycles. In: the setup of the run. Out:
 //! limits of torque, N·m, origins, mm, names of tools, the plan.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
 use ::panel::{MachineSeen, Point, ProgramSeen};
+use interpreter::Language;
 use machine::Machine;
 use process::shell::Pace;
 use protocol::{MachineState, MachineStatus, PerAxis};
 use rig::observe::Observer;
 
 use super::{hand::fastest_jog, plan::Plan};
-use crate::run::Setup;
+use crate::{program::Program, run::Setup};
+
+/// Longest text of a program that is shown, bytes.
+pub(super) const MOST_TEXT: u64 = 512 << 10;
+
+/// A run that is shown: one that begins, or one that was recorded.
+pub(super) struct Shown<'a> {
+    pub(super) machine: &'a Machine,
+    pub(super) program: &'a Program,
+    /// Its program, and how that is read.
+    pub(super) path: &'a Path,
+    pub(super) language: &'a Language,
+    pub(super) folder: &'a Path,
+    pub(super) pace: Pace,
+}
+
+impl<'a> Shown<'a> {
+    /// One that begins.
+    pub(super) fn begins(setup: &'a Setup) -> Shown<'a> {
+        let Setup { machine, program, folder, pace, .. } = setup;
+        Shown {
+            machine,
+            program,
+            path: &folder.program,
+            language: &folder.language,
+            folder: &folder.path,
+            pace: *pace,
+        }
+    }
+}
 
 /// What is known before.
 #[derive(Debug, Default)]
@@ -29,9 +59,9 @@ pub(crate) struct Known {
 
 impl Known {
     /// Of a run, and the way that its tool will go.
-    pub(crate) fn of(setup: &Setup) -> (Known, Vec<Point>) {
-        let Setup { machine, program, folder, .. } = setup;
-        let items = program.items(&folder.program, &folder.language, machine);
+    pub(super) fn of(run: &Shown) -> (Known, Vec<Point>) {
+        let Shown { machine, program, path, language, .. } = *run;
+        let items = program.items(path, language, machine);
         let items = items.into_iter().flatten().map_while(Result::ok);
         let (plan, way) = Plan::of(items, machine, program.time_s);
         let mut torque_limit_nm = PerAxis::default();
@@ -70,23 +100,24 @@ impl Known {
 }
 
 /// What stays the same during a run.
-pub(super) fn stays(setup: &Setup, observer: &Observer, text: Option<String>) -> (ProgramSeen, MachineSeen) {
-    let Setup { machine, program, folder, .. } = setup;
+pub(super) fn stays(run: &Shown, observer: &Observer) -> (ProgramSeen, MachineSeen) {
+    let Shown { machine, program, path, folder, .. } = *run;
+    let text = intake::text(path, MOST_TEXT).ok();
     let notes = program.check.as_ref();
     let origin_mm = notes.and_then(|check| {
         let of_pass = check.passes.first().map(|note| note.origin_mm);
         of_pass.or_else(|| check.origins_mm.values().next().copied())
     });
-    let name = folder.program.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let program = ProgramSeen {
         name,
         text,
         passes: program.passes(),
         time_s: program.time_s,
-        folder: folder.path.display().to_string(),
+        folder: folder.display().to_string(),
     };
     let stock = observer.stock().and_then(|stock| serde_json::to_value(stock).ok());
-    (program, MachineSeen { stock, origin_mm, ..machine_seen(machine, setup.pace) })
+    (program, MachineSeen { stock, origin_mm, ..machine_seen(machine, run.pace) })
 }
 
 /// What is always seen of a machine.

@@ -43,7 +43,7 @@ pub(crate) struct Live {
     pub(super) session: Session,
     /// What stays the same during a run, to be told again to a panel that was started again.
     pub(super) still: Map<String, Value>,
-    known: Known,
+    pub(super) known: Known,
     /// Turns of the spindle, and the place of the tool, in the cycle before.
     turned: Option<(f64, Point)>,
     trail: Vec<Point>,
@@ -65,7 +65,8 @@ pub(crate) struct Live {
     pub(super) tables: Tables,
 }
 
-fn fields(of: &impl Serialize) -> Map<String, Value> {
+/// A document as its fields.
+pub(super) fn fields(of: &impl Serialize) -> Map<String, Value> {
     match serde_json::to_value(of) {
         Ok(Value::Object(fields)) => fields,
         _ => Map::new(),
@@ -127,7 +128,7 @@ impl Live {
     }
 
     /// Looks after the panel, and tells it what it has to know before what changes.
-    fn look(&mut self) {
+    pub(super) fn look(&mut self) {
         self.stale |= self.web.look();
         if self.stale && self.web.link.offer(&ToPanel::NoTrail) {
             self.web.link.answer(&ToPanel::Set(self.still.clone()));
@@ -148,7 +149,9 @@ impl Live {
         if let Some(hand) = &mut self.hand {
             hand.cycle(record);
         }
-        self.mode = Mode::of(record, self.hand.as_ref().map(Hand::doing));
+        if self.mode != Mode::Playback {
+            self.mode = Mode::of(record, self.hand.as_ref().map(Hand::doing));
+        }
         self.takes_a_turn(record);
         if !cycle.is_multiple_of(EVERY) {
             return;
@@ -262,6 +265,7 @@ impl Live {
                 Some(HandAsked::On) => Press::Hand,
                 Some(HandAsked::JogOn) => Press::JogOn,
                 Some(HandAsked::Offset { .. }) => Press::Table,
+                Some(HandAsked::Play(_)) => Press::Play,
                 Some(_) => Press::Block,
                 None if start => Press::Start,
                 None => Press::Always,

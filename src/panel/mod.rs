@@ -8,6 +8,7 @@ mod known;
 mod live;
 mod mode;
 mod plan;
+mod playback;
 mod session;
 mod tables;
 mod view;
@@ -37,7 +38,7 @@ use protocol::{Code, Item, code_file::CodeFile};
 use serde_json::json;
 
 pub(crate) use args::{HELP, PanelArgs, PanelCommandArgs};
-use known::{Known, machine_seen, stays};
+use known::{Known, MOST_TEXT, Shown, machine_seen, stays};
 pub(crate) use live::Live;
 pub(crate) use session::Who;
 
@@ -51,8 +52,6 @@ use web::Web;
 
 /// Between two looks while nothing runs.
 const IDLE: Duration = Duration::from_millis(20);
-/// Longest text of a program that is shown, bytes.
-const MOST_TEXT: u64 = 512 << 10;
 
 impl Live {
     /// Opens the panel and says where it is.
@@ -70,10 +69,9 @@ impl Live {
     /// Shows a run that is about to begin.
     pub(crate) fn prepared(&mut self, setup: &run::Setup) -> Result<(), CliError> {
         self.begins_by_hand(setup)?;
-        let observer = setup.program.observer(&setup.machine);
-        let text = intake::text(&setup.folder.program, MOST_TEXT).ok();
-        let (program, machine) = stays(setup, &observer, text);
-        self.begins(&program, &machine, Known::of(setup));
+        let run = Shown::begins(setup);
+        let (program, machine) = stays(&run, &setup.program.observer(&setup.machine));
+        self.begins(&program, &machine, Known::of(&run));
         self.shows_tables(self.tables.begun(&setup.folder.language));
         Ok(())
     }
@@ -87,6 +85,9 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     }
     if asked.resume {
         return Err(CliError::Input("--resume is for run: pitchlock run RUN_DIR --resume".into()));
+    }
+    if asked.program.is_dir() {
+        return playback::playback(asked, quiet);
     }
     // Whatever is wrong with the input is said before there is a panel.
     let loaded = asked.program.as_os_str() != args::BY_HAND;

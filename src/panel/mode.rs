@@ -3,6 +3,7 @@
 //!
 //! | mode | it is this when |
 //! |---|---|
+//! | playback | a recording is played |
 //! | off | no run goes on |
 //! | faulted | a fault is latched, or the emergency stop is pressed |
 //! | stopping | stop or abort is pressed, or the program is over |
@@ -26,6 +27,7 @@ pub(crate) enum Mode {
     Held,
     Stopping,
     Faulted,
+    Playback,
 }
 
 /// What work by hand does.
@@ -53,13 +55,24 @@ pub(crate) enum Press {
     JogOn,
     /// An offset or a tool is set.
     Table,
+    /// A recording is played.
+    Play,
 }
 
 impl Mode {
     /// Every mode, in the order of the documentation.
     #[cfg(test)]
-    pub(crate) const ALL: [Mode; 8] =
-        [Mode::Off, Mode::Ready, Mode::Auto, Mode::Mdi, Mode::Jog, Mode::Held, Mode::Stopping, Mode::Faulted];
+    pub(crate) const ALL: [Mode; 9] = [
+        Mode::Off,
+        Mode::Ready,
+        Mode::Auto,
+        Mode::Mdi,
+        Mode::Jog,
+        Mode::Held,
+        Mode::Stopping,
+        Mode::Faulted,
+        Mode::Playback,
+    ];
 
     /// Its name.
     pub(crate) fn name(self) -> &'static str {
@@ -72,6 +85,7 @@ impl Mode {
             Mode::Held => "held",
             Mode::Stopping => "stopping",
             Mode::Faulted => "faulted",
+            Mode::Playback => "playback",
         }
     }
 
@@ -93,8 +107,11 @@ impl Mode {
 
     /// Why something is not done in this mode; nothing if it is.
     pub(crate) fn refuses(self, press: Press) -> Option<&'static str> {
-        use Mode::{Auto, Faulted, Held, Jog, Mdi, Off, Ready, Stopping};
+        use Mode::{Auto, Faulted, Held, Jog, Mdi, Off, Playback, Ready, Stopping};
         match (self, press) {
+            (Playback, Press::Play) => None,
+            (Playback, _) => Some("this is a recording: no key does anything but play, step and seek"),
+            (_, Press::Play) => Some("this is no recording: pitchlock panel RUN_DIR plays one"),
             (Off, Press::Start | Press::Hand | Press::Table) => None,
             (Ready, Press::Block | Press::Table) | (Jog, Press::JogOn) => None,
             (Off, Press::Block) => Some("the machine is off: by-hand switches it on for work by hand"),
@@ -137,6 +154,7 @@ mod tests {
             ("a block, a jog", Press::Block),
             ("jog-on", Press::JogOn),
             ("offset", Press::Table),
+            ("play, step, seek", Press::Play),
             ("all others", Press::Always),
         ];
         for (name, press) in presses {

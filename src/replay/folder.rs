@@ -6,6 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use interpreter::Language;
 use machine::Machine;
 use process::shell::LanguageArgs;
 use protocol::{Input, Item, Module, OperatorRequest, Taken, Truth, operator::Request};
@@ -113,6 +114,11 @@ impl Recorded {
         self.program.observer(&self.machine)
     }
 
+    /// The program, and how it was read.
+    pub(crate) fn program(&self) -> (&Program, &Path, Language) {
+        (&self.program, &self.args.program, self.args.language.language())
+    }
+
     /// The text of the program, or its bytes as such.
     pub(crate) fn program_bytes(&self) -> Vec<u8> {
         intake::bytes(&self.args.program, intake::SHOWN).unwrap_or_default()
@@ -156,7 +162,7 @@ impl Recorded {
     }
 
     /// The same, and who observes it, with what was seen of the runs that it goes on with.
-    pub(super) fn begun(&self) -> Result<(Again, Observer), CliError> {
+    pub(crate) fn begun(&self) -> Result<(Again, Observer), CliError> {
         let (items, mut observer) = (self.items()?, self.observer());
         let (scenario, seed) = (self.scenario.clone(), self.summary.seed);
         let wrong = |error: sim_plant::PlantError| CliError::Input(error.to_string());

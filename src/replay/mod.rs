@@ -8,4 +8,5 @@ mod picture;
 
 pub(crate) use again::{HELP, ReplayArgs, replay};
 pub(crate) use differ::{DiffArgs, HELP_DIFF, diff};
+pub(crate) use folder::{Again, Recorded};
 pub(crate) use left::Left;

@@ -268,3 +268,38 @@ fn a_browser_corrects_a_tool() {
     assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
     browser.picture("panel-tools-small");
 }
+
+/// A recording in the page: marked as one, without keys; played, paused, stepped, led to a time.
+#[test]
+fn a_browser_plays_a_recording() {
+    let place = Place::new();
+    let panel = super::playback::plays(&place, &[]);
+    let url = format!("http://{}/#{}", panel.address, panel.token);
+    let Some(mut browser) = Browser::open(&place, &url, 1200) else { return };
+    browser.until_text("playback", "made, completed");
+    browser.click("#take");
+    browser.until_text("seat", "You hold the keys");
+    assert_eq!(browser.value("document.querySelector('[data-do=start]').disabled"), true);
+    assert_eq!(browser.value("document.querySelector('#offset button').disabled"), true);
+    browser.click("#play");
+    browser.until_text("playback", "stands");
+    let cycle = |panel: &Panel| panel.state()["cycle"].as_u64().unwrap_or_default();
+    let before = cycle(&panel);
+    browser.click("#step-one");
+    until("one cycle on", || cycle(&panel) == before + 1);
+    browser.click("#step-many");
+    until("100 ms on", || cycle(&panel) == before + 201);
+    browser.value("(s => { s.value = 4.2; s.onchange(); })(document.getElementById('seek'))");
+    browser.until_text("playback", "4.200 of");
+    browser.until_text("words", "pass");
+    assert_eq!(browser.value(FITS), true);
+    browser.picture("panel-playback");
+    browser.value("document.getElementById('speed').value = '1000'");
+    browser.click("#play");
+    browser.until_text("words", "over");
+    browser.until_text("passes", "complete");
+    let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
+    browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
+    assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
+    browser.picture("panel-playback-small");
+}

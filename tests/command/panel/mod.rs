@@ -5,6 +5,7 @@ mod browser;
 mod by_hand;
 mod client;
 mod hostile;
+mod playback;
 mod tables;
 mod watched;
 mod written_api;
