@@ -29,7 +29,7 @@ pub(super) fn plays(place: &Place, more: &[&str]) -> Panel {
 }
 
 /// A column of the trace, cycle by cycle.
-fn column(place: &Place, name: &str) -> Vec<f64> {
+pub(super) fn column(place: &Place, name: &str) -> Vec<f64> {
     let text = fs::read_to_string(place.at("made/trace.csv")).expect("a trace");
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let head: Vec<_> = lines.next().expect("a head").split(',').collect();
