@@ -273,7 +273,7 @@ fn a_browser_corrects_a_tool() {
 #[test]
 fn a_browser_plays_a_recording() {
     let place = Place::new();
-    let panel = super::playback::plays(&place, &[]);
+    let panel = super::playback::plays(&place, &["--pace", "0.05"]);
     let url = format!("http://{}/#{}", panel.address, panel.token);
     let Some(mut browser) = Browser::open(&place, &url, 1200) else { return };
     browser.until_text("playback", "made, completed");
