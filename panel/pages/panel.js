@@ -253,6 +253,7 @@ let sought = false;
 function player() {
   const { of, speed, until_s, outcome } = state.playback;
   document.querySelector(".player").hidden = false;
+  document.body.className = "recording";
   document.title = "recording · " + of;
   $("playback").textContent = `${of}, ${outcome}: ${number(state.time_s ?? 0, 3)} of ${number(until_s, 3)} s, cycle ${state.cycle ?? 0}, ${speed ? speed + " times as fast" : speed === 0 ? "stands" : "goes there"}.`;
   $("play").textContent = speed ? "Pause" : "Play";

@@ -1,6 +1,6 @@
 //! `pitchlock panel RUN_DIR`: a recorded run is shown again. In: a run folder, what somebody asks of the
-//! player. Out: the cycles of the run, as they are made again from what its modules got, at any speed. There is
-//! no machine, and no key of one does anything.
+//! player. Out: the cycles of the run, as they are made again from what its modules got, at any speed. There
+//! is no machine, and no key of one does anything.
 
 use std::{path::Path, process::ExitCode, time::Duration};
 
