@@ -16,6 +16,7 @@ mod spindle;
 mod wait;
 
 use std::{
+    io::Write as _,
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -117,7 +118,7 @@ impl ProcessArgs {
             return Ok(None);
         }
         let set_up = real_time::set_up(Path::new("/"), process);
-        println!("{}", serde_json::json!({ "set_up": set_up.items }));
+        say(&serde_json::json!({ "set_up": set_up.items }).to_string());
         let refused = |item: &real_time::Item| format!("{}: {}", item.what, item.text);
         if self.strict_set_up {
             let all: Vec<_> = set_up.refused().map(refused).collect();
@@ -134,7 +135,7 @@ impl ProcessArgs {
     /// What this process has written down of its deadlines, in real time: a line of JSON, as above.
     pub(crate) fn tell(&self, ledger: &Ledger, work: &str) {
         if self.clock == Clock::Real {
-            println!("{}", ledger.told(work));
+            say(&ledger.told(work));
         }
     }
 
@@ -187,6 +188,11 @@ pub(crate) fn record<T: Payload>(sender: &mut Sender<T>, message: &T, last: bool
             Err(broken) => return Err(broken.into()),
         }
     }
+}
+
+/// A line to the launcher, on standard output. One that is gone hears nothing, and that is no error.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stdout(), "{line}");
 }
 
 /// Reads a machine file or a scenario.
