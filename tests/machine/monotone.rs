@@ -1,5 +1,5 @@
-//! A looser tolerance is never slower, nor is a finer contour: what `check` foretells of random contours of lines with
-//! three decimals, through the compressor and the planning.
+//! A looser tolerance is never slower, nor is a finer contour: what `check` foretells of random contours of
+//! lines with three decimals, through the compressor and the planning.
 
 use crate::shop::{Place, project};
 use testing::{Seed, count};

@@ -49,8 +49,8 @@ fn a_run_of_lines_becomes_a_few_pieces_that_end_where_it_ends() {
     assert!(feeds.windows(2).all(|pair| pair[0].0 <= pair[1].0), "lines of the program in order");
 }
 
-/// Another F and a message end a piece, not the run: every piece has the feed of its lines, and the message its
-/// place among them.
+/// Another F and a message end a piece, not the run: every piece has the feed of its lines, and the message
+/// its place among them.
 #[test]
 fn another_f_or_a_message_ends_a_piece_and_not_the_run() {
     let words = |k: usize| if k % 20 == 10 { "F1000" } else { "F990" };
@@ -60,7 +60,8 @@ fn another_f_or_a_message_ends_a_piece_and_not_the_run() {
     let feeds = feeds(&check);
     assert_eq!(feeds.len(), curves(&check));
     assert!(feeds.len() <= curves(&one) + changes.len(), "{} and {}", feeds.len(), curves(&one));
-    // The wave begins with F990, and changes at x = 0.9, 1.9 …; a piece that ends within 0.03 mm has the lower one.
+    // The wave begins with F990, and changes at x = 0.9, 1.9 …; a piece that ends within 0.03 mm has the
+    // lower one.
     for (_, feed, target) in &feeds {
         let tens = target[0].mm() + 0.1 - 1e-6;
         let near = (tens - tens.round()).abs() < 0.05;

@@ -184,8 +184,8 @@ impl Sections {
         true
     }
 
-    /// Goes on by `way` mm, within the front section or across its end. A rest of it below [`SAME`] is none: the
-    /// next one begins so much earlier, so that what many sections leave does not add up.
+    /// Goes on by `way` mm, within the front section or across its end. A rest of it below [`SAME`] is
+    /// none: the next one begins so much earlier, so that what many sections leave does not add up.
     pub(super) fn go(&mut self, way: f64) {
         let mut left = way;
         while let Some(front) = self.ring.front_mut() {

@@ -1,5 +1,6 @@
-//! A plan made anew at any step is as good as the plan: same path, same end, no later by more than a cycle. It
-//! may be a little earlier: a law that leaves a ramp for later (M184) may be left earlier for a better one.
+//! A plan made anew at any step is as good as the plan: same path, same end, no later by more than a cycle.
+//! It may be a little earlier: a law that leaves a ramp for later (M184) may be left earlier for a better
+//! one.
 //!
 //! A change of an override that no block of the program goes by lets the chain plan again without asking for
 //! anything else.

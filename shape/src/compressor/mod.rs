@@ -13,14 +13,14 @@
 //! lines: | corner | window: fitted; two thirds leave as pieces | the next window overlaps | corner |
 //! ```
 //! A run ends at a corner; there the blends of the chain round what is left, or the machine stops. It begins
-//! and ends exactly in a point, in whatever direction is smoothest; along its first and last line it keeps half
-//! of the tolerance, for the blend there takes the other half.
+//! and ends exactly in a point, in whatever direction is smoothest; along its first and last line it keeps
+//! half of the tolerance, for the blend there takes the other half.
 //!
 //! ```text
-//! a corner: θ > 2 sin 15°;  or θ > 0.1 and 6P < θℓ of the shorter line and θ > 4 θ′ of both neighbours  (M189)
+//! a corner: θ > 2 sin 15°;  or θ > 0.1, 6P < θℓ of the shorter line, θ > 4 θ′ of both neighbours  (M189)
 //! ```
-//! A spline turns within some P/θ, whatever the lines are. Where that is short against them and nothing around
-//! turns alike, what is followed is no curve but a corner, which a stop or a blend passes faster.
+//! A spline turns within some P/θ, whatever the lines are. Where that is short against them and nothing
+//! around turns alike, what is followed is no curve but a corner, which a stop or a blend passes faster.
 //!
 //! A long run is fitted in windows, so memory is bounded and pieces leave as the lines come. A window goes on
 //! from the derivatives of the one before, whose last third it fits again with more of the lines ahead. One
@@ -40,12 +40,14 @@ pub use pieces::Bow;
 /// Turns by more are corners: 2 sin 15°. Turns by less than 6° are none,
 const CORNER: f64 = 0.517_638_090_205_041_5;
 const LEAST_CORNER: f64 = 0.1;
-/// and between them those with lines longer than so many P/θ, and by so many times more than both beside them.
+/// and between them those with lines longer than so many P/θ, and by so many times more than both beside
+/// them.
 const TIGHT: f64 = 6.0;
 const ALONE: f64 = 4.0;
 /// Share of the tolerance that a spline has in its first and last line: the blend at its end has the other.
 const BESIDE: f64 = 0.5;
-/// A run has so many lines at least, and is so many tolerances long: blends at its ends reach over a shorter one.
+/// A run has so many lines at least, and is so many tolerances long: blends at its ends reach over a shorter
+/// one.
 const LINES: usize = 4;
 const SHORT: f64 = 40.0;
 /// Intervals of a window, of which a third overlaps with the next one.
@@ -164,7 +166,8 @@ pub struct Compressor<T> {
 }
 
 impl<T> Compressor<T> {
-    /// Nothing in hand; the first line begins at `from`. Where two lines are `apart`, a piece ends between them.
+    /// Nothing in hand; the first line begins at `from`. Where two lines are `apart`, a piece ends between
+    /// them.
     #[must_use]
     pub fn new(from: [f64; 3], leeway: Leeway, apart: fn(&T, &T) -> bool) -> Compressor<T> {
         let (lines, tags) = (Lines::new(from, BESIDE * leeway.corner), Vec::new());
@@ -339,7 +342,8 @@ impl<T> Compressor<T> {
         self.tags.drain(..first);
     }
 
-    /// Pieces of an interval of a spline leave, each with the lines of which it has more than a share of itself.
+    /// Pieces of an interval of a spline leave, each with the lines of which it has more than a share of
+    /// itself.
     fn pieces(&self, fitted: &Fitted, k: usize, part: [f64; 2], out: &mut impl FnMut(Course<'_, T>)) {
         let place = |u: f64| self.lines.holding(u - fitted.gone);
         pieces::along(&fitted.knots, k, &fitted.controls, part, &mut |bow, [begin, end]| {
