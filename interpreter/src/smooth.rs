@@ -179,7 +179,7 @@ fn leave(
     items: &mut VecDeque<Item>,
 ) {
     let (item, number) = match course {
-        Course::Line(line) => (line.item.clone(), line.number),
+        Course::Line(line) => (line.item, line.number),
         Course::Bow { bow, over } => {
             let last = &over[over.len() - 1];
             let feeds = over.iter().filter_map(|line| line.item.code.feed());
