@@ -2,7 +2,7 @@
 
 use std::net::{IpAddr, Ipv4Addr};
 
-use clap::Args;
+use clap::{Args, FromArgMatches};
 
 use crate::run::RunArgs;
 
@@ -52,4 +52,20 @@ pub(crate) const BY_HAND: &str = "by-hand.mc";
 pub(crate) struct PanelCommandArgs {
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+impl RunArgs {
+    /// Whether options of a run are given, beside those of its panel.
+    pub(super) fn says_more_than_of_panels(&self) -> bool {
+        let command = PanelCommandArgs::augment_args(clap::Command::new("panel").no_binary_name(true));
+        let matches = command.try_get_matches_from([&self.program]).ok();
+        let Some(PanelCommandArgs { run }) =
+            matches.and_then(|matches| PanelCommandArgs::from_arg_matches(&matches).ok())
+        else {
+            return true;
+        };
+        let plain =
+            RunArgs { pace: self.pace, with_panel: self.with_panel, panel: self.panel.clone(), ..run };
+        format!("{plain:?}") != format!("{self:?}")
+    }
 }

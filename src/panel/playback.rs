@@ -50,8 +50,7 @@ struct Player<'a> {
 
 /// Plays a run until somebody ends the command.
 pub(super) fn playback(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let given = asked.machine.machine.is_some() || asked.scenario.is_some() || asked.out.is_some();
-    if given || asked.seed.is_some() || asked.in_process || asked.single_block {
+    if asked.says_more_than_of_panels() {
         let text = "is played as it was: leave out all options but --pace, --port and --listen; \
                     pitchlock run RUN_DIR runs it again with others";
         return Err(CliError::file(&asked.program, text));

@@ -118,6 +118,9 @@ fn no_key_acts_on_a_recording_and_what_is_none_is_not_played() {
     }
     for (arguments, why) in [
         (&["panel", "made", "--seed", "2"][..], "is played as it was"),
+        (&["panel", "made", "--tools", "other.tbl"][..], "is played as it was"),
+        (&["panel", "made", "--from", "3"][..], "is played as it was"),
+        (&["panel", "made", "--clock", "real", "--pace", "2"][..], "is played as it was"),
         (&["panel", "nothing-there"], "nothing-there"),
         (&["panel", "."], "summary.json"),
     ] {
