@@ -84,12 +84,14 @@ fn way_is_free(way: &[Item], [before, ahead]: [&[Item]; 2], machine: &Machine, s
     let put_in = mm(&behind(&before[..changed.unwrap_or(0)], machine));
     over.push([[at[0].mm(), put_in[1], put_in[2]], put_in]);
     let outside = over.iter().flatten().map(|place| place[0]).fold(0.0, f64::max);
+    // As high as the tool has been, and at home: above all that it went over.
+    let highest = |top: f64, [_, _, z]: [f64; 3]| top.max(z);
+    let top = led_over(before, machine).into_iter().flatten().fold(mm(&machine.home())[2], highest);
     for item in way {
         let to = *item.code.target().expect("a way is moves");
         let ends = [mm(&at), mm(&to)];
         if machine.general.kinematics == Kinematics::Mill {
-            let home_z = machine.home()[Axis::Z.index()].mm();
-            let high = ends.iter().all(|end| end[2] >= home_z);
+            let high = ends.iter().all(|end| end[2] >= top);
             let upright = ends[0][..2] == ends[1][..2];
             assert!(high || upright, "{said}: {ends:?}");
         } else if let Code::Line { feed, .. } = item.code {
@@ -217,6 +219,11 @@ fn what_belongs_together_is_refused_by_name() {
     let (begun, refused) = every_line(&written("mill.ngc", MILL), &mill);
     let idle = [16, 17].map(|line| (line, NoEntry::NothingMoves { line }));
     assert_eq!((begun, refused), (15, idle.to_vec()));
+    // Home is among the parts: the way goes as high as the program has been.
+    let mut low = mill;
+    low.axis.get_mut(&Axis::Z).expect("a mill has Z").home_mm = -20.0;
+    let text = "G21 G90\nG0 Z40\nG0 X50 Y0\nG0 Z2\nG1 Z-5 F300\nG1 X60\nG1 X70\nG0 Z40\nM2\n";
+    assert_eq!(every_line(&written("low.ngc", text), &low).0, 8);
 }
 
 #[test]
