@@ -17,6 +17,8 @@ pub struct Modal {
     pub passes: u32,
     /// Where the axes are led before it.
     pub at: PerAxis<Position>,
+    /// The highest that Z has been led, home at first.
+    pub top: Position,
     /// Number of the tool; `None` if the program has selected none.
     pub tool: Option<u32>,
     /// Spindle, coolant and path, as the last item that said so.
@@ -41,6 +43,7 @@ impl Modal {
             steps: 0,
             passes: 0,
             at: machine.home(),
+            top: machine.home()[Axis::Z.index()],
             tool: None,
             spindle: None,
             coolant: None,
@@ -75,6 +78,7 @@ impl Modal {
             _ => {}
         }
         self.at = end(item, &self.at);
+        self.top = self.top.max(self.at[Axis::Z.index()]);
     }
 }
 

@@ -206,8 +206,6 @@ fn is_motion(item: &Item) -> bool {
 struct Passed {
     modal: Modal,
     ways: Ways,
-    /// The highest that Z has stood.
-    top: Position,
     /// The line of a thread in whose groove the tool is left.
     in_groove: Option<u32>,
     /// The line of the last work from formulas: where it ends is not known.
@@ -216,8 +214,7 @@ struct Passed {
 
 impl Passed {
     fn new(machine: &Machine) -> Passed {
-        let top = machine.home()[Axis::Z.index()];
-        Passed { modal: Modal::new(machine), ways: Ways::new(machine), top, in_groove: None, work: None }
+        Passed { modal: Modal::new(machine), ways: Ways::new(machine), in_groove: None, work: None }
     }
 
     fn take(&mut self, item: &Item) {
@@ -231,7 +228,6 @@ impl Passed {
             self.ways.take(item, self.modal.at);
         }
         self.modal.take(item);
-        self.top = self.top.max(self.modal.at[Axis::Z.index()]);
     }
 
     fn puts_in(&mut self, number: u32) {
@@ -251,7 +247,7 @@ impl Passed {
         let home = machine.home();
         match machine.general.kinematics {
             Kinematics::Lathe => self.ways.to(self.modal.at, line),
-            Kinematics::Mill => Ok(over(&home, self.top, self.modal.at, line)),
+            Kinematics::Mill => Ok(over(&home, self.modal.top, self.modal.at, line)),
             Kinematics::Positioner => Err(NoEntry::Positioner),
         }
     }

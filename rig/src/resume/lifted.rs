@@ -56,7 +56,7 @@ pub(super) fn attempt(
         // Where it leads is reached as well.
         steps.drain(..=first).for_each(|(item, _)| begin.take(&item));
     }
-    let way = over(here, top, begin.at, line);
+    let way = over(here, top.max(begin.top), begin.at, line);
     let line = steps.first().map_or(line, |step| step.0.line);
     let before = before(&begin, &way, &[], true, line);
     let plan = Plan { before, lifts: true, ..Plan::new(begin, &steps, stands, way) };
