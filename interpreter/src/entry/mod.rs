@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 
 use gcode::{Diagnostic, Waits};
 use machine::{Kinematics, Machine};
-use protocol::{Axis, Code, Item, PerAxis, Position};
+use protocol::{Code, Item, PerAxis, Position};
 use route::{
     approach::{before, over},
     in_force::Modal,
