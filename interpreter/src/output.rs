@@ -102,10 +102,15 @@ impl Output {
 
     /// What waits for more leaves as it is.
     pub(crate) fn settle(&mut self) {
+        self.end_line();
+        self.smoother.finish(&mut self.items);
+        self.place_messages();
+    }
+
+    /// No short line becomes one with that before it any more.
+    fn end_line(&mut self) {
         let Output { merger, smoother, items, path_mode, .. } = self;
         merger.finish(&mut |item, rest| smoother.add(item, rest, *path_mode, items));
-        smoother.finish(items);
-        self.place_messages();
     }
 
     /// The next item, once it cannot change any more.
@@ -127,8 +132,7 @@ impl Output {
             );
             return;
         }
-        let Output { merger, smoother, items, path_mode, .. } = self;
-        merger.finish(&mut |item, rest| smoother.add(item, rest, *path_mode, items));
+        self.end_line();
         self.smoother.mark(self.messages.len());
         let held = self.items.iter().map(Item::steps).sum::<u64>();
         let message = MessageNote { line: place.line, after: self.steps + held, text: text.trim().into() };

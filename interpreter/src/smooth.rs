@@ -50,16 +50,25 @@ struct Waiting {
 #[derive(Clone, Debug)]
 struct Run {
     compressor: Compressor<Waiting>,
-    /// Lines that were added, and the marks before lines that wait: with the number of the line.
-    lines: u64,
-    marks: VecDeque<(u64, usize)>,
+    door: Door,
     mode: PathMode,
-    /// Where it begins. Curves are fitted from there, so that the same lines elsewhere become the same curve.
-    origin: PerAxis<Position>,
-    /// Where the axes are at the end of what has left, and of what waits.
-    left: PerAxis<Position>,
+    /// Where the axes are at the end of what waits.
     end: PerAxis<Position>,
     feed: Feed,
+    /// Lines that were added.
+    lines: u64,
+}
+
+/// Through which what a run has become leaves.
+#[derive(Clone, Debug)]
+struct Door {
+    /// Where the run begins. Curves are fitted from there, so that the same lines elsewhere become the same
+    /// curve.
+    origin: PerAxis<Position>,
+    /// Where the axes are at the end of what has left.
+    left: PerAxis<Position>,
+    /// Marks before lines that wait, with the numbers of these.
+    marks: VecDeque<(u64, usize)>,
 }
 
 impl Smoother {
@@ -94,19 +103,18 @@ impl Smoother {
         let run = self.run.get_or_insert_with(|| Run::new(rest, mode, feed));
         let Some(target) = item.code.target().copied() else { return };
         run.end = target;
-        let marked = run.marks.back().is_some_and(|(number, _)| *number == run.lines);
-        let line = Waiting { item, number: run.lines, marked };
-        run.lines += 1;
-        let Run { compressor, origin, left, marks, .. } = run;
-        let met = &mut self.met;
-        let mut out = |course: Course<'_, Waiting>| leave(course, origin, left, marks, met, items);
-        compressor.add(seen(&target, origin), line, &mut out);
+        let Run { compressor, door, lines, .. } = run;
+        let marked = door.marks.back().is_some_and(|(number, _)| number == lines);
+        let line = Waiting { item, number: *lines, marked };
+        *lines += 1;
+        let place = seen(&target, &door.origin);
+        compressor.add(place, line, &mut |course| door.leave(&course, &mut self.met, items));
     }
 
     /// A mark before the next line, if lines wait: else its place is known.
     pub(crate) fn mark(&mut self, mark: usize) {
         if let Some(run) = &mut self.run {
-            run.marks.push_back((run.lines, mark));
+            run.door.marks.push_back((run.lines, mark));
         }
     }
 
@@ -117,10 +125,9 @@ impl Smoother {
 
     /// What waits leaves.
     pub(crate) fn finish(&mut self, items: &mut VecDeque<Item>) {
-        if let Some(Run { mut compressor, origin, mut left, mut marks, .. }) = self.run.take() {
-            let met = &mut self.met;
-            compressor.finish(&mut |course| leave(course, &origin, &mut left, &mut marks, met, items));
-            met.extend(marks.iter().map(|(_, mark)| Met { mark: *mark, items: items.len() }));
+        if let Some(Run { mut compressor, mut door, .. }) = self.run.take() {
+            compressor.finish(&mut |course| door.leave(&course, &mut self.met, items));
+            self.met.extend(door.marks.iter().map(|(_, mark)| Met { mark: *mark, items: items.len() }));
         }
     }
 
@@ -143,8 +150,8 @@ impl Run {
         let leeway = leeway(mode).unwrap_or(Leeway { corner: 0.0, flat: 0.0, tip: 0.0 });
         let apart = |a: &Waiting, b: &Waiting| b.marked || a.item.code.feed() != b.item.code.feed();
         let compressor = Compressor::new([0.0; 3], leeway, apart);
-        let (lines, marks) = (0, VecDeque::new());
-        Run { compressor, lines, marks, mode, origin: from, left: from, end: from, feed }
+        let door = Door { origin: from, left: from, marks: VecDeque::new() };
+        Run { compressor, door, mode, end: from, feed, lines: 0 }
     }
 }
 
@@ -168,31 +175,25 @@ fn seen(place: &PerAxis<Position>, origin: &PerAxis<Position>) -> [f64; 3] {
     LED.map(|axis| place[axis.index()].mm_from(origin[axis.index()]))
 }
 
-/// The item of a line, or of a piece of a curve, of a run that begins at `origin`, leaves; the axes are at
-/// `left`. Marks before it are met.
-fn leave(
-    course: Course<'_, Waiting>,
-    origin: &PerAxis<Position>,
-    left: &mut PerAxis<Position>,
-    marks: &mut VecDeque<(u64, usize)>,
-    met: &mut Vec<Met>,
-    items: &mut VecDeque<Item>,
-) {
-    let (item, number) = match course {
-        Course::Line(line) => (line.item, line.number),
-        Course::Bow { bow, over } => {
-            let last = &over[over.len() - 1];
-            let feeds = over.iter().filter_map(|line| line.item.code.feed());
-            let feed = feeds.reduce(slower).unwrap_or_default();
-            let code = Code::Curve { curve: curve(&bow, origin, left), feed };
-            (Item { line: last.item.line, code }, last.number)
+impl Door {
+    /// A line or a piece of a curve leaves as an item. Marks before it are met.
+    fn leave(&mut self, course: &Course<'_, Waiting>, met: &mut Vec<Met>, items: &mut VecDeque<Item>) {
+        let (item, number) = match course {
+            Course::Line(line) => (line.item, line.number),
+            Course::Bow { bow, over } => {
+                let last = &over[over.len() - 1];
+                let feeds = over.iter().filter_map(|line| line.item.code.feed());
+                let feed = feeds.reduce(slower).unwrap_or_default();
+                let code = Code::Curve { curve: curve(bow, &self.origin, &self.left), feed };
+                (Item { line: last.item.line, code }, last.number)
+            }
+        };
+        while let Some((_, mark)) = self.marks.pop_front_if(|(first, _)| *first <= number) {
+            met.push(Met { mark, items: items.len() });
         }
-    };
-    while let Some((_, mark)) = marks.pop_front_if(|(first, _)| *first <= number) {
-        met.push(Met { mark, items: items.len() });
+        self.left = item.code.target().copied().unwrap_or(self.left);
+        items.push_back(item);
     }
-    *left = item.code.target().copied().unwrap_or(*left);
-    items.push_back(item);
 }
 
 /// The lower of two feeds of a kind.

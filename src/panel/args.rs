@@ -64,8 +64,8 @@ impl RunArgs {
         else {
             return true;
         };
-        let plain =
-            RunArgs { pace: self.pace, with_panel: self.with_panel, panel: self.panel.clone(), ..run };
+        let RunArgs { pace, with_panel, json, .. } = *self;
+        let plain = RunArgs { pace, with_panel, json, panel: self.panel.clone(), ..run };
         format!("{plain:?}") != format!("{self:?}")
     }
 }

@@ -51,7 +51,7 @@ struct Player<'a> {
 /// Plays a run until somebody ends the command.
 pub(super) fn playback(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
     if asked.says_more_than_of_panels() {
-        let text = "is played as it was: leave out all options but --pace, --port and --listen; \
+        let text = "is played as it was: leave out all options but --pace, --port, --listen and --json; \
                     pitchlock run RUN_DIR runs it again with others";
         return Err(CliError::file(&asked.program, text));
     }

@@ -160,9 +160,9 @@ pub struct Compressor<T> {
     looked: usize,
     /// Whether a piece ends between two lines.
     apart: fn(&T, &T) -> bool,
-    /// The last line, which waits for the one behind it, and the turn at its start but one.
+    /// The last line, which waits for the one behind it; turns at the start and at the end of the one before.
     next: Option<(Vector, T)>,
-    behind: f64,
+    turns: [f64; 2],
 }
 
 impl<T> Compressor<T> {
@@ -171,7 +171,7 @@ impl<T> Compressor<T> {
     #[must_use]
     pub fn new(from: [f64; 3], leeway: Leeway, apart: fn(&T, &T) -> bool) -> Compressor<T> {
         let (lines, tags) = (Lines::new(from, BESIDE * leeway.corner), Vec::new());
-        Compressor { leeway, lines, tags, fitted: None, looked: 0, apart, next: None, behind: 0.0 }
+        Compressor { leeway, lines, tags, fitted: None, looked: 0, apart, next: None, turns: [0.0; 2] }
     }
 
     /// Whether lines wait.
@@ -195,28 +195,24 @@ impl<T> Compressor<T> {
             self.take(point, tag, 0.0, out);
         }
         self.end_run(out);
-        self.behind = 0.0;
+        self.turns = [0.0; 2];
     }
 
     /// A line to a point, at which the next one turns by `ahead`.
     fn take(&mut self, to: [f64; 3], tag: T, ahead: f64, out: &mut impl FnMut(Course<'_, T>)) {
-        let from = self.lines.last();
+        let [behind, turn] = self.turns;
+        self.turns = [turn, ahead];
         if !self.tags.is_empty() {
-            let way = less(&to, &from);
-            let length = norm(&way);
-            let before = self.lines.direction(self.lines.count() - 1);
-            let turn = norm(&core::array::from_fn(|i| way[i] / length - before[i]));
+            let length = norm(&less(&to, &self.lines.last()));
             let within = self.within(turn, length);
             let shorter = length.min(self.lines.length(self.lines.count() - 1));
-            let alone = turn > LEAST_CORNER
-                && TIGHT * within < turn * shorter
-                && turn > ALONE * self.behind.max(ahead);
+            let alone =
+                turn > LEAST_CORNER && TIGHT * within < turn * shorter && turn > ALONE * behind.max(ahead);
             if turn > CORNER || alone {
                 self.end_run(out);
             } else {
                 self.lines.widen_last(within);
             }
-            self.behind = turn;
         }
         self.lines.push(to, BESIDE * self.leeway.corner);
         self.tags.push(tag);
