@@ -305,8 +305,8 @@ fn findings(program: &Program) -> String {
             "groove from {along} {low:.3} to {high:.3}: along its axis and in depth within {within} mm"
         );
     }
-    if let Some(nominal) = &program.gauge {
-        let _ = writeln!(text, "gauge {}", gauged::told(nominal));
+    for thread in &program.gauges {
+        let _ = writeln!(text, "gauge {}", gauged::told(&thread.nominal));
     }
     if errors == 0 {
         let _ = writeln!(text, "about {:.1} s on the machine at 100 % override", program.time_s);

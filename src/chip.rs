@@ -1,5 +1,5 @@
 //! What an edge takes in each pass of a thread. In: what the interpreter tells of the passes, the tools of
-//! the machine file, the flanks of the thread that is asked for. Out: chip thickness, mm.
+//! the machine file, the flanks of the threads that are asked for. Out: chip thickness, mm.
 //!
 //! ```text
 //! (M208) chip on a flank  h = Δd sin φ ± Δz cos φ      the larger of both is that of a pass
@@ -10,18 +10,20 @@
 
 use std::collections::BTreeMap;
 
-use interpreter::PassNote;
+use interpreter::{GaugedThread, PassNote};
 use machine::Machine;
 
-/// (M208) of every pass of which somebody told how deep it goes, by its number; `nominal_deg`: the flanks of
-/// the thread, where it has a gauge, degrees.
+/// (M208) of every pass of which somebody told how deep it goes, by its number; flanks are those of its
+/// thread, where that has a gauge.
 pub(crate) fn chips_mm(
     passes: &[PassNote],
     machine: &Machine,
-    nominal_deg: Option<[f64; 2]>,
+    gauges: &[GaugedThread],
 ) -> BTreeMap<u32, f64> {
     let chip = |note: &PassNote| {
         let [deeper, along] = note.infeed_mm?;
+        let thread = gauges.iter().find(|thread| thread.from_mm.contains_key(&note.pass));
+        let nominal_deg = thread.map(|thread| thread.nominal.flank_deg);
         Some((note.pass, chip_mm(deeper, along, flanks_deg(machine, note.tool, nominal_deg))))
     };
     passes.iter().filter_map(chip).collect()

@@ -3,6 +3,7 @@
 
 use clap::Args;
 use gauge::{Nominal, Side};
+use interpreter::GaugedThread;
 use rig::observe::{GaugeAsked, GrooveAsked, Observer};
 
 use crate::{error::CliError, program::Program, thread};
@@ -27,18 +28,22 @@ impl GaugeArgs {
     }
 }
 
-/// An observer with the gauge for the thread of a program and the drawing of its groove, if there are such.
+/// An observer with the gauges for the threads of a program and the drawing of its groove, if there are such.
 pub(crate) fn holds(program: &Program, observer: Observer) -> Observer {
     let origins_mm = || {
         let passes = program.check.iter().flat_map(|check| &check.passes);
         passes.map(|note| (note.pass, note.origin_mm)).collect()
     };
-    let observer = match program.check.as_ref().and_then(|check| check.groove.clone()) {
+    let mut observer = match program.check.as_ref().and_then(|check| check.groove.clone()) {
         Some(drawn) => observer.with_groove(GrooveAsked { drawn, origins_mm: origins_mm() }),
         None => observer,
     };
-    let Some(nominal) = program.gauge.clone() else { return observer };
-    observer.with_gauge(GaugeAsked { nominal, origins_mm: origins_mm() })
+    for GaugedThread { nominal, from_mm } in program.gauges.clone() {
+        // Machine code tells no thread: the one that is asked for is that of all passes.
+        let passes = program.check.as_ref().map(|_| from_mm);
+        observer = observer.with_gauge(GaugeAsked { nominal, origins_mm: origins_mm(), passes });
+    }
+    observer
 }
 
 /// What a gauge asks, for people.

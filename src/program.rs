@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use gauge::Nominal;
-use interpreter::{Check, Diagnostic, Dialect, Entry, Guess, Interpreter, Language, Severity};
+use interpreter::{Check, Diagnostic, Dialect, Entry, GaugedThread, Guess, Interpreter, Language, Severity};
 use machine::{Machine, ProgramDialect};
 use protocol::{
     Code, Item,
@@ -39,8 +39,8 @@ pub(crate) struct Program {
     pub(crate) time_s: f64,
     /// The file beside it that describes the part.
     pub(crate) part_file: Option<PathBuf>,
-    /// What judges its thread.
-    pub(crate) gauge: Option<Nominal>,
+    /// What judges its threads.
+    pub(crate) gauges: Vec<GaugedThread>,
     /// What the edge takes in each pass of which that is known.
     pub(crate) chips_mm: BTreeMap<u32, f64>,
     /// Where it is begun, if not at its beginning.
@@ -108,8 +108,8 @@ impl Program {
         if !check.is_good() {
             messages += &read.hint();
         }
-        let gauge = check.gauge.clone();
-        let chips_mm = chips_mm(&check.passes, machine, gauge.as_ref().map(|nominal| nominal.flank_deg));
+        let gauges = check.gauges.clone();
+        let chips_mm = chips_mm(&check.passes, machine, &gauges);
         let (count, steps, moves, time_s) = (check.count, check.steps, check.moves, check.time_s);
         Ok(Program {
             dialect: read.name(),
@@ -121,7 +121,7 @@ impl Program {
             messages,
             time_s,
             part_file,
-            gauge,
+            gauges,
             chips_mm,
             entry: None,
         })
@@ -160,7 +160,10 @@ impl Program {
             messages: String::new(),
             time_s,
             part_file: None,
-            gauge,
+            gauges: gauge
+                .map(|nominal| GaugedThread { nominal, from_mm: BTreeMap::new() })
+                .into_iter()
+                .collect(),
             chips_mm: BTreeMap::new(),
             entry: None,
         })

@@ -10,11 +10,13 @@
 //! ```text
 //! (M155) δ = (max (a − H) − min (b − H) + w)/T   over every length of the gauge;   GO: δ ≤ 0
 //!        NO-GO: h_s ≥ h of its limit, everywhere
+//! (M192) standoff of a taper: 2 (δ − ½ h of the limit of NO-GO)/|taper|
 //! ```
-//! A ridge of the counterpart whose pitch line is at δ needs c − w/2 + δ t₁ ≥ a − H at one flank and c + w/2
-//! − δ t₂ ≤ b − H at the other; the phase c drops out of their sum. So this is the smallest counterpart that
-//! can be screwed on, whatever makes the grooves narrow: depth, lead, drunkenness, flanks, starts. Both
-//! gauges are held on the axis of the spindle.
+//! A ridge of the counterpart whose pitch line is at δ needs c − w/2 + δ t₁ ≥ a − H at one flank and c +
+//! w/2 − δ t₂ ≤ b − H at the other; the phase c drops out of their sum. So this is the smallest
+//! counterpart that can be screwed on, whatever makes the grooves narrow: depth, lead, drunkenness,
+//! flanks, starts. Both gauges are held on the axis of the spindle. The gauge of a taper comes to rest
+//! where it fits; that is told as a diameter at its plane, and as its distance from there.
 
 use crate::{
     causes::{Held, angles_deg, causes, mean_tangents},
@@ -49,6 +51,9 @@ pub struct Report {
     pub pitch_diameter_mm: [f64; 2],
     /// Virtual pitch diameter: that of the tightest place, mm.
     pub virtual_mm: f64,
+    /// Of a taper: how far before its plane GO comes to rest, by hand; negative where it goes beyond (M192),
+    /// mm.
+    pub standoff_mm: Option<f64>,
     /// Error of the lead over the length of the GO gauge, or of the thread if that is shorter, µm.
     pub lead_error_um: f64,
     /// Largest unevenness of the helix within a turn, µm.
@@ -108,6 +113,8 @@ pub fn judge(nominal: &Nominal, sections: &Sections, full_mm: [f64; 2], crest_mm
         let simple = cuts.iter().map(|cut| cut.simple).fold(f64::INFINITY, f64::min);
         let no_go = nominal.height_mm(nominal.no_go_mm());
         report.virtual_mm = nominal.diameter_mm(tight.height);
+        report.standoff_mm =
+            (nominal.taper != 0.0).then(|| 2.0 * (tight.height - 0.5 * no_go) / nominal.taper.abs());
         let depth_helps = simple - tight.height >= no_go;
         let held = Held { cuts: &cuts, rest: &helix.rest, heights, depth_helps };
         if tight.height > 0.0 {

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use gauge::{Drawn, Nominal};
+use gauge::Drawn;
 use gcode::{Diagnostic, Outlasting, Program, Severity};
 use machine::{Machine, Part};
 use protocol::{Code, Item};
@@ -12,7 +12,7 @@ use route::Unworkable;
 
 use crate::pass_note::PassNote;
 use crate::time::{Clock, LONGEST_S};
-use crate::{Interpreter, JobNote, MessageNote, options};
+use crate::{GaugedThread, Interpreter, JobNote, MessageNote, options};
 
 /// After so many errors a program is not read further.
 const MOST_ERRORS: usize = 100;
@@ -40,8 +40,8 @@ pub struct Check {
     pub origins_mm: BTreeMap<u32, [f64; 2]>,
     /// Diameters of tools, by number, as far as the tool table knows them, mm.
     pub diameters_mm: BTreeMap<u32, f64>,
-    /// What a gauge asks of the thread, if somebody said which thread it is.
-    pub gauge: Option<Nominal>,
+    /// The threads that somebody named, so that gauges judge them.
+    pub gauges: Vec<GaugedThread>,
     /// The groove that it draws, if it draws one.
     pub groove: Option<Drawn>,
     /// What it tells its operator.
@@ -143,7 +143,7 @@ pub fn check_while(
     check.part = interpreter.part().cloned();
     check.origins_mm = interpreter.origins_mm().clone();
     check.diameters_mm = diameters_mm(interpreter.program());
-    check.gauge = interpreter.gauge().cloned();
+    check.gauges = interpreter.gauges();
     check.groove = interpreter.groove().cloned();
     let files = (1..).map_while(|file| interpreter.program().file_name(file));
     check.subroutine_files = files.map(|name| PathBuf::from(&**name)).collect();

@@ -86,6 +86,7 @@ pub use output::MessageNote;
 pub use pass_note::PassNote;
 pub use tapping::TapNote;
 pub use thread::CornerNote;
+pub use translate::GaugedThread;
 use translate::Translator;
 
 /// Reads a part program and yields machine code, one item at a time.
@@ -176,9 +177,9 @@ impl Interpreter {
         self.translator.messages()
     }
 
-    /// What a gauge asks of the thread, if somebody said which thread it is.
-    pub fn gauge(&self) -> Option<&Nominal> {
-        self.translator.gauged().nominal()
+    /// The threads that somebody named, so that gauges judge them.
+    pub fn gauges(&self) -> Vec<GaugedThread> {
+        self.translator.gauged().threads()
     }
 
     /// The groove that the program draws, if it draws one.
@@ -199,10 +200,10 @@ impl Interpreter {
         self.program.diagnose(place, *Problem::error("endless-program", Blame::Block, message, help))
     }
 
-    /// What to say of a gauge that is asked for where no thread was cut.
-    pub(crate) fn ungauged(&mut self) -> Option<Diagnostic> {
-        let (place, problem) = self.translator.gauged().misses(self.translator.place())?;
-        Some(self.program.diagnose(place, *problem))
+    /// What to say of gauges that are asked for where no such thread was cut.
+    pub(crate) fn ungauged(&mut self) -> Vec<Diagnostic> {
+        let missing = self.translator.gauged().misses(self.translator.place());
+        missing.into_iter().map(|(place, problem)| self.program.diagnose(place, *problem)).collect()
     }
 
     /// What to say of a trace that cannot be followed to its end.

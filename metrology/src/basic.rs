@@ -1,5 +1,5 @@
 //! Threads of which basic sizes are known and limits are not: Rd (DIN 405), BSW (BS 84), worms of a module
-//! (DIN 3975). In: sizes of the name. Out: basic diameters.
+//! (DIN 3975) or of a diametral pitch. In: sizes of the name. Out: basic diameters.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -11,7 +11,7 @@
 //! Rd: d2 = d − P/2, P = 25.4/n
 //! BSW: h = 0.640327 P;  d2 = d − h,  d3 = d − 2 h
 //! worm: pitch π m, lead π m z1; d the reference diameter, da = d + 2 m, df = d − 2.5 m, depth 2.25 m;
-//!     tan γ = m z1/d, tan α_ax = tan 20° / cos γ                                                      (M147)
+//!     tan γ = m z1/d, tan α_ax = tan 20° / cos γ; of a diametral pitch m = 25.4/DP                    (M147)
 //! ```
 
 use std::fmt;
@@ -115,11 +115,13 @@ impl fmt::Display for Whitworth {
 /// Angle of the flanks of a worm across its thread, degrees.
 const NORMAL_DEG: f64 = 20.0;
 
-/// A worm of a module, DIN 3975.
+/// A worm of a module, DIN 3975, or of a diametral pitch.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Worm {
     /// Axial module, mm.
     pub(crate) module: f64,
+    /// The diametral pitch that it was named by, 1/in.
+    pub(crate) diametral: Option<f64>,
     /// Number of threads, z1.
     pub(crate) starts: u32,
     /// Reference diameter, mm.
@@ -145,7 +147,7 @@ impl Described for Worm {
     }
 
     fn limits(&self) -> Limits {
-        let Worm { module, starts, d } = *self;
+        let Worm { module, starts, d, .. } = *self;
         let sizes = [
             (Size::Lead, self.pitch() * f64::from(starts)),
             (Size::Pitch, d),
@@ -180,6 +182,9 @@ impl Described for Worm {
 
 impl fmt::Display for Worm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "module worm m{} z1={} d{}", self.module, self.starts, self.d)
+        match self.diametral {
+            Some(pitch) => write!(f, "worm DP{pitch} z1={} d{}", self.starts, self.d),
+            None => write!(f, "module worm m{} z1={} d{}", self.module, self.starts, self.d),
+        }
     }
 }

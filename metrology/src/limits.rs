@@ -58,6 +58,8 @@ pub enum Size {
     HandTightLength,
     /// Length of effective thread, `L2`.
     EffectiveLength,
+    /// Distance of the gauge plane from the small end of a screw of ISO 7, `L`.
+    GaugeLength,
     /// Advance per revolution, `lead`.
     Lead,
     /// Tip diameter of a worm, `da`.
@@ -96,6 +98,7 @@ impl Size {
             HandTightMin => ("E1_min", "E1_min"),
             HandTightLength => ("L1", "L1"),
             EffectiveLength => ("L2", "L2"),
+            GaugeLength => ("L", "L"),
             Lead => ("lead", "lead"),
             Tip => ("da", "da"),
             Root => ("df", "df"),
@@ -134,6 +137,7 @@ impl Size {
             HandTightMin => "the same, one turn less",
             HandTightLength => "length of hand-tight engagement",
             EffectiveLength => "length of effective thread",
+            GaugeLength => "gauge length",
             Lead => "lead",
             Tip => "tip diameter",
             Root => "root diameter",

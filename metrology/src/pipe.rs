@@ -7,15 +7,19 @@
 //! | D | in | outside diameter of the pipe (NPT) |
 //! | E0, E1 | in | pitch diameter at the small end; where hand-tight engagement ends |
 //! | L1, L2 | in | length of hand-tight engagement, of effective thread |
+//! | L, t | mm, – | gauge length of ISO 7: small end of a screw to its gauge plane; how many turns that may be off |
 //!
 //! ```text
 //! G: H = 0.960491 P,  h = 0.640327 P;  d2 = d − h,  d1 = d − 2 h, h to three places
 //!     T_d2 of class A = T_D2, of class B twice that;  T_d = 2 T_D2                                   (M145)
 //! NPT: E0 = D − (0.05 D + 1.1)/n,  E1 = E0 + L1/16,  L2 = (0.8 D + 6.8)/n;
 //!     one turn is P/16 of diameter                                                                  (M146)
+//! R, Rc: d2 ± t P/16 at L from the small end of a screw, at the face of a nut; Rp: D2 ± t P/16;
+//!     t = 1 of a screw, 1 1/4 of a nut, 1 1/2 of both from 2 1/2 on                                  (M191)
 //! ```
 //!
-//! Diameters and tolerances of G, and D and L1 of NPT, are tables. A taper is 1:16 of diameter.
+//! Diameters and tolerances of G, D and L1 of NPT, L and the useful length of ISO 7 are tables. A taper is
+//! 1:16 of diameter.
 
 use std::fmt;
 
@@ -54,10 +58,26 @@ const PARALLEL: [(&str, u32, f64); 24] = [
     ("6", 11, 163.830),
 ];
 
-/// Sizes of ISO 228-1 that ISO 7-1 does not have.
-const NOT_JOINTING: [&str; 9] = ["5/8", "7/8", "1 1/8", "1 3/4", "2 1/4", "2 3/4", "3 1/2", "4 1/2", "5 1/2"];
+/// ISO 7-1, table 1: sizes of ISO 228-1, gauge length, useful length of a screw of that gauge length, mm.
+const JOINTING: [(&str, f64, f64); 15] = [
+    ("1/16", 4.0, 6.5),
+    ("1/8", 4.0, 6.5),
+    ("1/4", 6.0, 9.7),
+    ("3/8", 6.4, 10.1),
+    ("1/2", 8.2, 13.2),
+    ("3/4", 9.5, 14.5),
+    ("1", 10.4, 16.8),
+    ("1 1/4", 12.7, 19.1),
+    ("1 1/2", 12.7, 19.1),
+    ("2", 15.9, 23.4),
+    ("2 1/2", 17.5, 26.7),
+    ("3", 20.6, 29.8),
+    ("4", 25.4, 35.8),
+    ("5", 28.6, 40.1),
+    ("6", 28.6, 40.1),
+];
 
-/// Above this the tolerance of 11 threads per inch is the wider one, mm: G2.
+/// Above this the tolerance of 11 threads per inch is the wider one, mm: G2, R2.
 const NARROW_UP_TO: f64 = 59.614;
 
 /// ASME B1.20.1, table 2: nominal size, threads per inch, D and L1 in inches.
@@ -87,7 +107,7 @@ pub(crate) fn parallel_sizes() -> Vec<&'static str> {
 
 /// Nominal sizes of R, Rp and Rc.
 pub(crate) fn jointing_sizes() -> Vec<&'static str> {
-    parallel_sizes().into_iter().filter(|size| !NOT_JOINTING.contains(size)).collect()
+    JOINTING.iter().map(|(size, ..)| *size).collect()
 }
 
 /// Nominal sizes of NPT, with their threads per inch.
@@ -205,11 +225,31 @@ impl Described for Jointing {
     }
 
     fn limits(&self) -> Limits {
-        let ([d, d2, d1], ..) = diameters(self.size);
-        let sizes: &[(Size, f64)] = &[(Size::Major, d), (Size::Pitch, d2), (Size::Minor, d1)];
+        let ([d, d2, d1], _, tpi) = diameters(self.size);
+        let found = JOINTING.iter().find(|(of, ..)| *of == self.size);
+        let (_, gauge_mm, useful_mm) = *found.expect("names are checked when they are read");
+        let turns = match self.joint {
+            _ if d > NARROW_UP_TO => 1.5,
+            Joint::Screw => 1.0,
+            Joint::ParallelNut | Joint::TaperedNut => 1.25,
+        };
+        let off = even(turns * 25.4 / f64::from(tpi) / 16.0, 3);
+        let [most, least] = [off, -off].map(|off| even(d2 + off, 3));
+        let plane = [
+            (Size::Major, d),
+            (Size::Pitch, d2),
+            (Size::PitchMax, most),
+            (Size::PitchMin, least),
+            (Size::Minor, d1),
+        ];
+        let length = (Size::GaugeLength, gauge_mm);
         match self.joint {
-            Joint::Screw => Limits::new(Unit::Mm, Some(sizes), None),
-            Joint::ParallelNut | Joint::TaperedNut => Limits::new(Unit::Mm, None, Some(sizes)),
+            Joint::Screw => {
+                let lengths = [length, (Size::EffectiveLength, useful_mm)];
+                Limits::new(Unit::Mm, Some(&[&plane[..], &lengths].concat()), None)
+            }
+            Joint::ParallelNut => Limits::new(Unit::Mm, None, Some(&plane)),
+            Joint::TaperedNut => Limits::new(Unit::Mm, None, Some(&[&plane[..], &[length]].concat())),
         }
     }
 
@@ -218,7 +258,8 @@ impl Described for Jointing {
     }
 
     fn note(&self) -> &'static str {
-        "Diameters at the gauge plane. Gauge length and its tolerance are not known here, so there are no limits."
+        "Diameters at the gauge plane: the gauge length from the small end of a screw, the face of a nut. It may lie a turn \
+         off (of a nut 1 1/4 turns, from 2 1/2 on 1 1/2), which is d2_min ... d2_max at that place."
     }
 }
 

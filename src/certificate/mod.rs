@@ -126,7 +126,7 @@ pub(crate) fn certify(
 
 /// What the gauge and the drawing of the groove say, if there is one of them.
 fn judges(summary: &Summary) -> Option<String> {
-    let gauge = summary.gauge.iter().map(|gauge| gauge.sentence());
+    let gauge = summary.gauged().iter().map(|gauge| gauge.sentence());
     let groove = summary.groove.iter().map(|groove| format!("groove {}", groove.sentence()));
     gauge.chain(groove).reduce(|all, more| format!("{all}; {more}"))
 }

@@ -206,7 +206,7 @@ fn arguments(dir: &Path, summary: Option<&Summary>, input: Option<[u8; 16]>) -> 
     };
     for name in names {
         let mut args = arguments_of(&of_folder(dir), dir, &name)?;
-        args.gauge.gauge = summary.and_then(|summary| summary.gauge.as_ref()).map(|gauge| gauge.name.clone());
+        args.gauge.gauge = summary.and_then(Summary::repeats_gauge);
         let shop = args.machine.with_language(&args.language)?;
         let judged = Program::read(&args.program, &shop.language.language(), &shop.machine, None);
         let fits = judged.is_ok_and(|judged| {

@@ -295,8 +295,7 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
         Summary::read(&folder.join(SUMMARY)).map_err(|error| without_summary(folder, error.to_string()))?;
     let name = Path::new(&summary.program).file_name().unwrap_or_default();
     let mut repeated = arguments_of(args, folder, name)?;
-    let named = summary.gauge.as_ref().map(|gauge| gauge.name.clone());
-    repeated.gauge.gauge = args.gauge.gauge.clone().or(named);
+    repeated.gauge.gauge = args.gauge.gauge.clone().or(summary.repeats_gauge());
     repeated.seed = args.seed.or(Some(summary.seed));
     Ok(repeated)
 }

@@ -199,10 +199,11 @@ fn gauged(text: &mut String, summary: &Summary) {
     if let Some(groove) = &summary.groove {
         let _ = writeln!(text, "groove    {}", groove.sentence());
     }
-    let Some(gauge) = &summary.gauge else { return };
-    let _ = writeln!(text, "gauge     {}", gauge.sentence());
-    for note in &gauge.notes {
-        let _ = writeln!(text, "          {note}");
+    for gauge in summary.gauged() {
+        let _ = writeln!(text, "gauge     {}", gauge.sentence());
+        for note in &gauge.notes {
+            let _ = writeln!(text, "          {note}");
+        }
     }
 }
 

@@ -27,7 +27,7 @@ fn text(name: &str) -> String {
 }
 
 /// Every example that cuts a thread and needs nothing besides; the bolt of the first hour has its page.
-const THREADS: [&str; 15] = [
+const THREADS: [&str; 16] = [
     "m20x2.ngc",
     "internal-m30.ngc",
     "varied.ngc",
@@ -42,6 +42,7 @@ const THREADS: [&str; 15] = [
     "fanuc/variable-lead.nc",
     "fanuc/barrel.nc",
     "fanuc/two-starts.nc",
+    "fanuc/grooves-macro.nc",
     "rechucked/thread.ngc",
 ];
 
@@ -82,6 +83,10 @@ fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
         ("fanuc/two-starts.nc", ["Q180000", "Q170000"], "starts "),
         ("lead-table.ngc", ["lead_table, Z-18 K2, Z-28", "lead_table, Z-18 K2, Z-29"], " short over "),
         ("chain.ngc", ["Z-44 K2.5", "Z-44 K2.52"], "beside the groove"),
+        ("chain.ngc", ["Z-44 K2.5", "Z-44 K2.52"], "P2.5 D2 27.16..27.24 A60 external: GO does not go on"),
+        ("chain.ngc", ["[2 * SQRT", "[2.01 * SQRT"], "taper 1:1.467 at -24: GO does not go on"),
+        ("fanuc/taper-g32.nc", ["#101=1.452", "#101=1.3"], "R3/4: GO does not go on"),
+        ("fanuc/grooves-macro.nc", ["Q[#100*180000]", "Q[#100*170000]"], "starts "),
         ("tap-m8.ngc", ["K1.25", "K1.26"], "NO-GO goes in"),
         ("tap-m8.ngc", ["G0 X0 Z8", "G0 X0.1 Z8"], "NO-GO goes in"),
         ("tap-m8.ngc", ["M8x1.25-6H", "M8x1.25-6g"], "and M8x1.25-6g is a screw"),
@@ -101,6 +106,22 @@ fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
         }
     }
     assert!(others.is_empty(), "{}", others.join("\n\n"));
+}
+
+/// A tap of two starts cuts both grooves at once; of another lead it makes them too wide.
+#[test]
+fn a_tap_of_two_starts_is_judged() {
+    let place = Place::new();
+    let program = text("tap-m8.ngc").replace("M8x1.25-6H", "M12x3P1.5-6H").replace("Z8\n", "Z12\n");
+    assert!(program.contains("Z-18 K1.25 I1.5") && program.contains("S500"));
+    for (lead, verdict) in [("K3", "good"), ("K3.06", "bad")] {
+        let program = program.replace("S500", "S300").replace("K1.25", lead);
+        place.write("other.ngc", program);
+        let answer = run(&place, "other.ngc");
+        let summary = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
+        let summary: Value = serde_json::from_str(&summary).expect("a document");
+        assert_eq!(summary["gauge"]["verdict"], verdict, "{lead}: {}{}", answer.stdout, answer.stderr);
+    }
 }
 
 /// The holes of a mill are judged one by one: the second is cut otherwise, or a hole twice, a little beside.

@@ -226,9 +226,12 @@ fn without_a_thread_to_judge_the_verdict_says_why() {
 fn names_that_no_gauge_has_are_refused_with_a_remedy() {
     let place = Place::new();
     place.write("plain.ngc", GOOD);
-    for (name, words) in
-        [("M20x2-6z", "M20x2"), ("M20x2", "6g or M20x2-6H"), ("R1/2", "P1.8143 D2"), ("P2", "D2")]
-    {
+    for (name, words) in [
+        ("M20x2-6z", "M20x2"),
+        ("M20x2", "6g or M20x2-6H"),
+        ("BSW 1/2-12 external", "P2.1167 D2"),
+        ("P2", "D2"),
+    ] {
         for command in ["check", "run"] {
             let answer = place.ask(&[command, "plain.ngc", "--gauge", name]);
             assert_eq!(answer.status, Some(2), "{name}: {}", answer.stdout);
@@ -240,7 +243,6 @@ fn names_that_no_gauge_has_are_refused_with_a_remedy() {
         ("(thread, M20x2-6z)", "help: "),
         ("(thread M20x2-6g)", "a comma is missing"),
         ("(thread, P2 D2 18.5)", "\"18.5\" behind D2"),
-        ("(thread, M20x2-6g)\n(thread, M24-6g)", "M24x3-6g here, and M20x2-6g before"),
     ] {
         let lines = 1 + comment.matches('\n').count();
         place.write("named.ngc", format!("{comment}\n{GOOD}"));
@@ -279,4 +281,42 @@ fn check_says_which_gauge_judges_and_what_the_program_cuts_otherwise() {
     let json = place.ask(&["check", "named.ngc", "--json"]);
     let json: Value = serde_json::from_str(&json.stdout).expect("a document");
     assert_eq!(json["gauge"], "M20x2-6g");
+}
+
+/// A screw with a tapped hole: each name judges the passes behind it, and the worst verdict is that of the
+/// part.
+#[test]
+fn several_threads_of_a_part_have_each_their_gauge() {
+    let place = Place::new();
+    let tap = "(thread, M8x1.25-6H)\nT5\nM3 S500\nG0 X0 Z8\nG33.1 Z-18 K1.25\nG0 Z60\nM5\nM2\n";
+    let screw = GOOD.trim_end().trim_end_matches("M2");
+    let both = format!("(thread, M20x2-6g)\n{screw}{tap}");
+    for (program, verdicts, worst) in [
+        (both.clone(), ["good", "good"], "M20x2-6g"),
+        (both.replace("K1.25", "K1.26"), ["good", "bad"], "M8x1.25-6H"),
+        (both.replace("K2.969", "K2.85"), ["bad", "good"], "M20x2-6g"),
+    ] {
+        place.write("both.ngc", program);
+        let answer = run(&place, "both.ngc", &[]);
+        let summary = summary(&place);
+        let gauges = summary["gauges"].as_array().expect("two gauges");
+        let told: Vec<_> = gauges.iter().map(|gauge| gauge["verdict"].as_str().unwrap_or_default()).collect();
+        assert_eq!(told, verdicts, "{} {}", answer.stdout, answer.stderr);
+        assert_eq!(summary["gauge"]["name"], worst);
+        let is_good = verdicts == ["good"; 2];
+        assert_eq!(answer.status, Some(if is_good { 0 } else { 3 }), "{}", answer.stderr);
+        assert_eq!(summary["part"]["verdict"], if is_good { "good" } else { "bad" });
+        let [screw, hole] = [0, 1].map(|at| gauges[at]["passes"].as_array().expect("passes").clone());
+        assert!(screw.len() > 10 && hole.len() == 1 && !screw.contains(&hole[0]), "{screw:?} {hole:?}");
+        let report = std::fs::read_to_string(place.at("out/report.html")).expect("a report");
+        assert_eq!(report.matches(">Gauge</h2>").count(), 2);
+    }
+    place.write("both.ngc", both);
+    let check = place.ask(&["check", "both.ngc"]);
+    assert!(
+        check.stdout.contains("gauge M20x2-6g, a screw") && check.stdout.contains("gauge M8x1.25-6H, a nut")
+    );
+    // A run that is repeated has its names from the program.
+    let again = place.ask(&["run", "out", "--in-process", "--trace", "none", "--out", "again"]);
+    assert_eq!(again.stdout.matches("\ngauge     ").count(), 2, "{}", again.stdout);
 }

@@ -228,7 +228,7 @@ fn wishes_out_of_range_are_refused() {
         (&["M20x2-6g", "--tool", "A60 R0.5"], "too blunt"),
         (&["Tr40x7-7e"], "--tool 22ERTR7"),
         (&["Tr40x14P7-7H", "LH"], "--tool 22ILTR7"),
-        (&["R1/2"], "--pitch-diameter LEAST..MOST"),
+        (&["BSW 1/2-12 external"], "--pitch-diameter LEAST..MOST"),
         (&["M2-6H"], "no way back"),
     ] {
         let args: Vec<&str> = ["thread", "-o", "part.ngc"].iter().chain(args).copied().collect();

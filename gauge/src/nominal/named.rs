@@ -4,7 +4,7 @@
 //! |---|---|
 //! | pitch diameter, crest | the limits of the class |
 //! | root for GO | d1_max where a flat of the root may reach it (of UN d2_max − H/2, the flat form of ASME B1.2), else the minor diameter of the basic profile; of a nut the major diameter |
-//! | length of the GO gauge | the major diameter: what is usually engaged; L1 of a taper |
+//! | length of the GO gauge | the major diameter: what is usually engaged; L1 or the gauge length of a taper |
 //!
 //! Roots of the form of Whitworth are round to the basic profile, so no straight flank of a gauge reaches
 //! them: GO is held against a quarter of the triangle of the flanks on that side. Limits of the root itself
@@ -80,13 +80,16 @@ fn left_out(thread: &Thread, side: Side) -> &'static [&'static str] {
     }
 }
 
-/// A taper: its pitch diameter may be off by a turn at the plane of the hand-tight engagement. That is L1
-/// from the small end of a screw, and the face of a nut; the face of the part is at Z 0.
+/// A taper: its pitch diameter may be off by a turn or more at its plane. That is L1 (NPT) or the gauge
+/// length (ISO 7) from the small end of a screw, and the face of a nut; the face of the part is at Z 0.
 fn tapered(thread: &Thread, side: Side, member: &Member) -> Result<Nominal, NominalError> {
     let profile = thread.profile();
-    let limits = member.get(Size::HandTightMin).zip(member.get(Size::HandTightMax));
-    let (least, most) = limits.ok_or(NominalError::NoLimits)?;
-    let length_mm = member.get(Size::HandTightLength).ok_or(NominalError::NoLimits)?;
+    let [least, most, length] = match member.get(Size::GaugeLength) {
+        Some(_) => [Size::PitchMin, Size::PitchMax, Size::GaugeLength],
+        None => [Size::HandTightMin, Size::HandTightMax, Size::HandTightLength],
+    };
+    let size = |size: Size| member.get(size).ok_or(NominalError::NoLimits);
+    let (least, most, length_mm) = (size(least)?, size(most)?, size(length)?);
     let (taper, plane_mm) = match side {
         Side::External => (-profile.taper, -length_mm),
         Side::Internal => (profile.taper, 0.0),

@@ -58,10 +58,8 @@ fn by_numbers(thread: &Thread) -> String {
     let profile = thread.profile();
     let middle = 0.5 * (profile.major_mm + profile.minor_mm);
     let angle: f64 = profile.flank_deg.iter().sum();
-    let taper =
-        if profile.taper == 0.0 { String::new() } else { format!(" taper 1:{:.0}", 1.0 / profile.taper) };
     format!(
-        "give your limits by numbers, P{:.4} D2 least..most A{angle}{taper} external or internal: its basic pitch \
+        "give your limits by numbers, P{:.4} D2 least..most A{angle} external or internal: its basic pitch \
          diameter is {middle:.3} mm",
         profile.pitch_mm
     )

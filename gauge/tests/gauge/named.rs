@@ -33,7 +33,6 @@ fn what_has_no_gauge_says_why() {
     for (name, why) in [
         ("M20x2", NominalError::Side),
         ("1/2-14 NPT", NominalError::Side),
-        ("R1/2", NominalError::NoLimits),
         ("BSW 1/2-12", NominalError::Side),
         ("Rd80 x 1/10 external", NominalError::NoLimits),
     ] {
@@ -58,6 +57,29 @@ fn a_taper_is_held_against_its_plane_from_the_face() {
         assert_eq!(nominal.taper, taper, "{name}");
         close(nominal.plane_mm, plane);
     }
+    for (name, taper, plane, turns) in
+        [("R1/2", -1.0 / 16.0, -8.2, 1.0), ("Rc1/2", 1.0 / 16.0, 0.0, 1.25), ("R3", -1.0 / 16.0, -20.6, 1.5)]
+    {
+        let nominal = named(name).expect("it has limits");
+        let [least, most] = nominal.pitch_diameter_mm;
+        assert!((most - least - 2.0 * turns * nominal.pitch_mm / 16.0).abs() < 1e-3, "{name}");
+        assert_eq!((nominal.taper, nominal.plane_mm), (taper, plane), "{name}");
+    }
+}
+
+/// A larger cone stops its gauge earlier, by sixteen times as much; a cylinder has no plane.
+#[test]
+fn the_gauge_of_a_taper_stands_off_its_plane() {
+    for (larger_mm, standoff_mm) in [(0.0, 0.0), (0.05, 0.8), (-0.05, -0.8)] {
+        let mut cone = crate::made::cone();
+        let [least, most] = cone.nominal.pitch_diameter_mm;
+        cone.pitch_diameter_mm = 0.5 * (least + most) + larger_mm;
+        let report = cone.judged();
+        let told = report.standoff_mm.expect("it has a plane");
+        assert!((told - standoff_mm).abs() < 0.02, "{larger_mm}: {told}");
+        assert_eq!(report.verdict, Verdict::Good, "{larger_mm}: {report:?}");
+    }
+    assert_eq!(crate::made::threads()[0].judged().standoff_mm, None);
 }
 
 #[test]
@@ -165,7 +187,6 @@ fn a_thread_without_limits_is_told_by_numbers() {
             "BSW 1/2-12 external",
             "P2.1167 D2 least..most A55 external or internal: its basic pitch diameter is 11.34",
         ),
-        ("R1/2 external", "P1.8143 D2 least..most A55 taper 1:16"),
         ("Rd105 x 1/4 external", "P6.3500 D2 least..most A30"),
     ] {
         let wrong = name.parse::<Nominal>().expect_err(name);

@@ -1,6 +1,9 @@
-//! The thread that a program says it cuts, which a gauge will judge. In: comments such as
-//! `(thread, M20x2-6g)`, the passes as they are planned. Out: what the gauge asks, and
-//! warnings where the passes cannot be that thread.
+//! The threads that a program says it cuts, which gauges will judge. In: comments such as
+//! `(thread, M20x2-6g)`, the passes as they are planned. Out: what the gauges ask, of which passes, and
+//! warnings where those cannot be that thread.
+//!
+//! A name holds for what follows, up to the next one; what comes before the first belongs to the first.
+//! Within a chain it holds from the block that it stands in front of.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -8,7 +11,7 @@
 //! | hand | – | Z falls with the angle of the spindle along a right-hand thread |
 //! | side | – | a screw is cut towards the axis, a nut away from it |
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gauge::{Drawn, Nominal, Side};
 use gcode::canon::Units;
@@ -20,7 +23,7 @@ use protocol::ThreadPass;
 use super::Translator;
 use super::insert::Written;
 use crate::reach::Done;
-use crate::thread::Point;
+use crate::thread::{Point, Single};
 
 /// Leads closer than this are one, mm.
 const SAME_MM: f64 = 1e-4;
@@ -38,32 +41,83 @@ struct Kind {
     /// Unknown of a pass that moves X neither in nor out.
     side: Option<Side>,
     starts: BTreeSet<u32>,
+    /// A tap has all of its starts.
+    is_tap: bool,
     /// Its lead grows from the start: there is no length of one lead.
     changes: bool,
 }
 
-/// What is known of the thread.
+/// Passes that one gauge judges.
+#[derive(Clone, Debug, Default)]
+struct Passes {
+    kinds: Vec<Kind>,
+    /// Each by its number, and where along Z of the machine it begins to be this thread, mm: nothing where it
+    /// is from its beginning.
+    from_mm: BTreeMap<u32, Option<f64>>,
+}
+
+/// A thread that somebody named.
+#[derive(Clone, Debug)]
+struct Named {
+    nominal: Nominal,
+    /// Where; of one that is asked for with the run nowhere.
+    place: Option<Place>,
+    passes: Passes,
+}
+
+/// A thread that a gauge judges, and the passes that cut it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GaugedThread {
+    /// What the gauge asks.
+    pub nominal: Nominal,
+    /// Its passes by their numbers, and where along Z of the machine each begins to be this thread, mm:
+    /// nothing where it is from its beginning.
+    pub from_mm: BTreeMap<u32, Option<f64>>,
+}
+
+/// What is known of the threads.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gauged {
-    /// Asked for with the run: the program is not asked then.
-    asked: Option<Nominal>,
-    said: Option<(Nominal, Place)>,
+    named: Vec<Named>,
+    /// Which of them was named last.
+    now: usize,
+    /// What is cut before the first name.
+    before: Passes,
+    /// The blocks of a chain so far that begin a thread: which one, where along Z of the machine, mm, and its
+    /// lead along Z, mm, with whether that changes.
+    legs: Vec<Begins>,
     /// The groove that is drawn.
     drawn: Option<Drawn>,
-    kinds: Vec<Kind>,
     /// The insert that the program was written for.
     pub(super) written: Written,
 }
 
+/// Where a block of a chain begins a thread.
+#[derive(Clone, Copy, Debug)]
+struct Begins {
+    named: usize,
+    from_mm: f64,
+    lead_mm: f64,
+    changes: bool,
+}
+
 impl Gauged {
-    /// A gauge that is asked for with the run.
+    /// A gauge that is asked for with the run: the program is not asked then.
     pub(crate) fn ask(&mut self, nominal: Nominal) {
-        self.asked = Some(nominal);
+        self.named = vec![Named { nominal, place: None, passes: Passes::default() }];
+    }
+
+    fn is_asked(&self) -> bool {
+        self.named.first().is_some_and(|first| first.place.is_none())
     }
 
     /// What will judge.
-    pub(crate) fn nominal(&self) -> Option<&Nominal> {
-        self.asked.as_ref().or(self.said.as_ref().map(|(nominal, _)| nominal))
+    pub(crate) fn threads(&self) -> Vec<GaugedThread> {
+        let thread = |Named { nominal, passes, .. }: &Named| GaugedThread {
+            nominal: nominal.clone(),
+            from_mm: passes.from_mm.clone(),
+        };
+        self.named.iter().map(thread).collect()
     }
 
     /// The groove that is drawn.
@@ -119,16 +173,26 @@ impl Gauged {
         };
         let named = name.trim().parse::<Nominal>();
         let nominal = named.map_err(|misread| wrong(misread.message, &misread.help))?;
-        match &self.said {
-            Some((before, _)) if *before != nominal => {
-                let message = format!("the thread is {} here, and {} before", nominal.name, before.name);
-                let help = "name one thread: a gauge judges all passes of a program as one thread";
-                Err(wrong(message, help))
-            }
-            _ => {
-                self.said.get_or_insert((nominal, place));
-                Ok(())
-            }
+        if !self.is_asked() {
+            let known = self.named.iter().position(|named| named.nominal == nominal);
+            self.now = known.unwrap_or_else(|| {
+                let passes = std::mem::take(&mut self.before);
+                self.named.push(Named { nominal, place: Some(place), passes });
+                self.named.len() - 1
+            });
+        }
+        Ok(())
+    }
+
+    /// A block of a chain: where it begins, and whether it goes on from the one before.
+    fn leg(&mut self, single: &Single, goes_on: bool) {
+        if !goes_on {
+            self.legs.clear();
+        }
+        let (leg, named) = (&single.legs[0], self.now);
+        if self.legs.last().is_none_or(|last| last.named != named) {
+            let (lead_mm, changes) = (leg.lead.z.abs(), leg.growth.z != 0.0);
+            self.legs.push(Begins { named, from_mm: single.from.z, lead_mm, changes });
         }
     }
 
@@ -140,30 +204,57 @@ impl Gauged {
         let along = pass.axis(pass.along());
         let locked_deg = along.run_in_c0_deg + along.run_in_dc_deg;
         let changes = pass.corners().next().is_some_and(|corner| corner.c_deg < locked_deg);
-        let same = |kind: &&mut Kind| {
-            (kind.lead_mm, kind.grows, kind.side, kind.changes) == (lead_mm, grows, side, changes)
-        };
-        match self.kinds.iter_mut().find(same) {
-            Some(kind) => _ = kind.starts.insert(pass.start),
-            None => {
-                self.kinds.push(Kind { place, lead_mm, grows, side, starts: [pass.start].into(), changes })
-            }
+        let starts = [pass.start].into();
+        let kind = Kind { place, lead_mm, grows, side, starts, is_tap: pass.returns(), changes };
+        // A chain that nobody named in between is one thread from its beginning.
+        let legs = std::mem::take(&mut self.legs);
+        let first = legs.first().map_or(self.now, |leg| leg.named);
+        self.passes(first).take(pass.pass, None, kind.clone());
+        for leg in legs.iter().skip(1) {
+            let kind = Kind { lead_mm: leg.lead_mm, changes: leg.changes, ..kind.clone() };
+            self.passes(leg.named).take(pass.pass, Some(leg.from_mm), kind);
         }
     }
 
-    /// No thread was cut, though one is to be judged. `end`: where the program ends.
-    pub(crate) fn misses(&self, end: Place) -> Option<(Place, Box<Problem>)> {
-        let nominal = self.nominal().filter(|_| self.kinds.is_empty())?;
-        let place = self.said.as_ref().filter(|_| self.asked.is_none()).map_or(end, |(_, place)| *place);
-        let help = "cut it by G33, G32, G76, G92 or a tap, or leave out (thread, ...) and --gauge";
-        let message = format!("a gauge is asked for {}, and the program cuts no thread", nominal.name);
-        Some((place, Problem::warning("gauge-differs", Blame::Line(place.line), message, help)))
+    /// The passes of a thread.
+    fn passes(&mut self, named: usize) -> &mut Passes {
+        self.named.get_mut(named).map_or(&mut self.before, |named| &mut named.passes)
     }
 
-    /// What the passes have that the thread does not have.
+    /// Threads that are to be judged and are not cut. `end`: where the program ends.
+    pub(crate) fn misses(&self, end: Place) -> Vec<(Place, Box<Problem>)> {
+        let missing = self.named.iter().filter(|named| named.passes.kinds.is_empty());
+        let told = |Named { nominal, place, .. }: &Named| {
+            let place = place.unwrap_or(end);
+            let help = "cut it by G33, G32, G76, G92 or a tap, or leave out (thread, ...) and --gauge";
+            let where_not = if self.named.len() > 1 { "no thread behind that name" } else { "no thread" };
+            let message = format!("a gauge is asked for {}, and the program cuts {where_not}", nominal.name);
+            (place, Problem::warning("gauge-differs", Blame::Line(place.line), message, help))
+        };
+        missing.map(told).collect()
+    }
+
+    /// What the passes have that their thread does not have.
     fn contradictions(&self, units: Units) -> Vec<(Place, Box<Problem>)> {
-        let Some(nominal) = self.nominal() else { return Vec::new() };
-        self.kinds.iter().flat_map(|kind| against(nominal, kind, units)).collect()
+        let of = |Named { nominal, passes, .. }: &Named| {
+            passes.kinds.iter().flat_map(|kind| against(nominal, kind, units)).collect::<Vec<_>>()
+        };
+        self.named.iter().flat_map(of).collect()
+    }
+}
+
+impl Passes {
+    /// Takes a pass of a kind.
+    fn take(&mut self, pass: u32, from_mm: Option<f64>, kind: Kind) {
+        self.from_mm.entry(pass).or_insert(from_mm);
+        let same = |other: &&mut Kind| {
+            (other.lead_mm, other.grows, other.side, other.is_tap, other.changes)
+                == (kind.lead_mm, kind.grows, kind.side, kind.is_tap, kind.changes)
+        };
+        match self.kinds.iter_mut().find(same) {
+            Some(known) => known.starts.extend(kind.starts),
+            None => self.kinds.push(kind),
+        }
     }
 }
 
@@ -179,9 +270,9 @@ fn against(nominal: &Nominal, kind: &Kind, units: Units) -> Vec<(Place, Box<Prob
         };
         let (cut, asked) = (units.length(kind.lead_mm), units.length(lead_mm));
         found.push(format!("the thread advances by {cut} in a turn, and {name} by {asked}{of}"));
-    } else if kind.starts.len() < *starts as usize {
+    } else if !kind.is_tap && kind.starts.len() < *starts as usize {
         found.push(format!("{} of the {starts} starts of {name} are cut", kind.starts.len()));
-    } else if kind.starts.len() > *starts as usize {
+    } else if !kind.is_tap && kind.starts.len() > *starts as usize {
         let s = if *starts == 1 { "" } else { "s" };
         found.push(format!(
             "the passes lie in {} grooves, and {name} has {starts} start{s}",
@@ -233,6 +324,11 @@ impl Translator {
             }
         }
         self.gauged.comment(text, self.place())
+    }
+
+    /// A block of a chain was programmed; it may go on from the one before.
+    pub(super) fn gauge_sees_leg(&mut self, single: &Single, goes_on: bool) {
+        self.gauged.leg(single, goes_on);
     }
 
     /// A pass was programmed where the part lay at `origin`.

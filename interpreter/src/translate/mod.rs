@@ -37,6 +37,7 @@ use crate::threading::Threads;
 use crate::{MessageNote, arc};
 use doubts::Doubts;
 use gauged::Gauged;
+pub use gauged::GaugedThread;
 
 /// Takes calls, holds items until they are asked for.
 pub(crate) struct Translator {

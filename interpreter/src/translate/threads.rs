@@ -34,6 +34,7 @@ impl Translator {
         let single = threading::single(of, (target, round), told, &self.points, turning, &self.machine)?;
         self.spindle.hold(single.s_rpm);
         self.warn_of_encoder(place, synchronised.lead_mm);
+        self.gauge_sees_leg(&single, self.threads.waits());
         self.points.thread_goes_to(*target);
         match self.threads.waits() {
             true => self.threads.go_on(single, self.modal.frame.units),

@@ -304,6 +304,40 @@ fn thin(program: &str) -> Vec<(u32, String)> {
     told.map(|one| (one.line, one.message.clone())).collect()
 }
 
+/// A name holds for what follows, up to the next one; what comes before the first belongs to the first. In a
+/// chain it holds from its block on.
+#[test]
+fn a_name_holds_up_to_the_next_one() {
+    let head = "G18 G21 G90 G8 G97\nS400 M3\n";
+    let single = |z: f64| format!("G0 X9 Z8\nG33 Z-{z} K2\nG0 X20\n");
+    let passes = |body: &str| {
+        let check = interpreter::check("named.ngc", &format!("{head}{body}M2\n"), &Machine::plain());
+        assert!(check.is_good(), "{body}: {:?}", check.diagnostics);
+        let thread =
+            |thread: interpreter::GaugedThread| (thread.nominal.name, Vec::from_iter(thread.from_mm));
+        check.gauges.into_iter().map(thread).collect::<Vec<_>>()
+    };
+    let (a, b) = ("(thread, M20x2-6g)\n", "(thread, M24x2-6g)\n");
+    let [one, two, three] = [20.0, 21.0, 22.0].map(single);
+    let told = |of: &str, passes: &[u32]| (of.to_owned(), passes.iter().map(|pass| (*pass, None)).collect());
+    assert_eq!(
+        passes(&format!("{one}{a}{two}{b}{three}")),
+        [told("M20x2-6g", &[1, 2]), told("M24x2-6g", &[3])]
+    );
+    assert_eq!(
+        passes(&format!("{a}{one}{b}{two}{a}{three}")),
+        [told("M20x2-6g", &[1, 3]), told("M24x2-6g", &[2])],
+        "the first again"
+    );
+    let chain = format!("G0 X9 Z8\n{a}G33 Z-18 K2\nG33 Z-20 K2\n{b}G33 Z-34 K3\nG0 X20\n{a}{one}");
+    let [first, second] = &passes(&chain)[..] else { panic!("two threads") };
+    assert_eq!(first.1, [(1, None), (2, None)]);
+    assert_eq!(second.1.len(), 1);
+    assert!(matches!(second.1[0], (1, Some(z)) if (z + 20.0).abs() < 1e-9), "{second:?}");
+    let missing = format!("{head}{a}{b}{one}M2\n");
+    assert_eq!(said(&missing), [(3, "gauge-differs")]);
+}
+
 /// An edge that rubs is told once for a thread, however many passes do; a spring pass is none.
 #[test]
 fn a_pass_that_rubs_is_told_once_for_its_thread() {

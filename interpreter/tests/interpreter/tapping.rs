@@ -104,6 +104,8 @@ fn a_tap_beside_the_axis_and_one_of_another_thread_are_warned_of() {
     assert_eq!(tap("", 0.0), [""; 0]);
     assert_eq!(tap("", 10.0), ["tap-off-axis"]);
     assert_eq!(tap("(thread, M8x1.25-6H)", 0.0), [""; 0]);
+    // A tap has all of its starts: of that lead it may be one of several.
+    assert_eq!(tap("(thread, P0.625 D2 7.6..7.7 internal starts 2)", 0.0), [""; 0]);
     for other in ["M8x1.25-6g", "M8x1-6H", "M8x1.25-6H-LH"] {
         assert_eq!(tap(&format!("(thread, {other})"), 0.0), ["gauge-differs"], "{other}");
     }

@@ -37,8 +37,9 @@ Tr40x7-7e/7H, Tr40x14P7-8e                                         ISO 2903 trap
 1/2-10 ACME-2G, 3/4-6 ACME internal                                ASME B1.5 Acme, general purpose
 1/2-14 NPT, NPT 1/2-14                                             ASME B1.20.1 tapered pipe
 G1/2-A, G1 1/4 B                                                   ISO 228 parallel pipe
-R1/2, Rp1/2, Rc1/2                                                 ISO 7 pipe, diameters only
-BSW 3/16-24, Rd105 x 1/4, module worm m3 z1=2 d44                  basic sizes only";
+R1/2, Rp1/2, Rc1/2                                                 ISO 7 pipe
+BSW 3/16-24, Rd105 x 1/4, module worm m3 z1=2 d44                  basic sizes only
+worm DP8 z1=2 d44                                                  basic sizes only";
 
 /// What names begin with.
 const KNOWN: &str =
@@ -191,13 +192,15 @@ fn worm(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
     };
     value(&["module "]);
     value(&["worm "]);
-    let module = value(&["m"]).filter(|module| (0.1..=100.0).contains(module));
+    let diametral = value(&["dp"]);
+    let module = diametral.map(|pitch| 25.4 / pitch).or_else(|| value(&["m"]));
+    let module = module.filter(|module| (0.1..=100.0).contains(module));
     let starts =
         value(&["z1=", "z1 =", "z="]).filter(|starts| starts.fract() == 0.0 && (1.0..=16.0).contains(starts));
     let d = value(&["d"]).filter(|d| *d <= 1e4);
     let (Some(module), Some(starts), Some(d)) = (module, starts, d) else {
-        let help =
-            "as in module worm m3 z1=2 d44: axial module and reference diameter in mm, 1 to 16 threads";
+        let help = "as in module worm m3 z1=2 d44 or worm DP8 z1=2 d44: axial module or diametral pitch, 1 to 16 threads, \
+             reference diameter in mm";
         return Err(cursor.wrong(from, "this is not a worm", help));
     };
     if d < 4.0 * module {
@@ -208,5 +211,5 @@ fn worm(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
             help,
         ));
     }
-    Ok(Form::Worm(Worm { module, starts: starts as u32, d }))
+    Ok(Form::Worm(Worm { module, diametral, starts: starts as u32, d }))
 }

@@ -51,6 +51,7 @@ fn names_are_completed() {
         ("3/16-24 BSW", "BSW 3/16-24"),
         ("Rd80x1/6", "Rd80 x 1/6"),
         ("worm m3 z1=2 d44", "module worm m3 z1=2 d44"),
+        ("worm dp8 z1=2 d44", "worm DP8 z1=2 d44"),
     ] {
         assert_eq!(read(written), complete);
         assert_eq!(read(complete), complete);
@@ -167,7 +168,7 @@ fn check(text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-const KNOWN: [&str; 14] = [
+const KNOWN: [&str; 15] = [
     "M20x2-6g/6H",
     "M16xPh3P1.5-4g6g LH",
     "MJ6x1-4h6h/4H5H",
@@ -182,6 +183,7 @@ const KNOWN: [&str; 14] = [
     "Rp1/2",
     "Rd105 x 1/4",
     "module worm m3 z1=2 d44",
+    "worm DP8 z1=2 d44",
 ];
 
 proptest! {

@@ -181,6 +181,50 @@ fn pipe_threads_are_ordered_and_taper_by_a_sixteenth() {
     }
 }
 
+/// ISO 7-1 prints the tolerance of a gauge length as ± mm, of parallel nuts as ± a diameter: ours come
+/// from whole and quarter turns. Size, of a screw, of a nut, of its diameter.
+#[test]
+fn jointing_threads_have_the_tolerances_that_iso_7_prints() {
+    for (name, screw_mm, nut_mm, parallel_mm) in [
+        ("1/16", 0.9, 1.1, 0.071),
+        ("1/8", 0.9, 1.1, 0.071),
+        ("1/4", 1.3, 1.7, 0.104),
+        ("3/8", 1.3, 1.7, 0.104),
+        ("1/2", 1.8, 2.3, 0.142),
+        ("3/4", 1.8, 2.3, 0.142),
+        ("1", 2.3, 2.9, 0.180),
+        ("2", 2.3, 2.9, 0.180),
+        ("2 1/2", 3.5, 3.5, 0.216),
+        ("6", 3.5, 3.5, 0.216),
+    ] {
+        for (letters, member, off_mm, within) in [
+            ("R", Side::External, screw_mm / 16.0, 0.05 / 16.0),
+            ("Rc", Side::Internal, nut_mm / 16.0, 0.05 / 16.0),
+            ("Rp", Side::Internal, parallel_mm, 1e-3),
+        ] {
+            let thread = side(&format!("{letters}{name}"), member);
+            let half = 0.5 * tolerance(&thread, Size::PitchMax, Size::PitchMin);
+            assert!((half - off_mm).abs() < within, "{letters}{name}: {half} {off_mm}");
+            assert!(
+                (size(&thread, Size::PitchMax) - size(&thread, Size::Pitch) - half).abs() < 1e-9,
+                "{name}"
+            );
+        }
+    }
+    let screw = side("R1/2", Side::External);
+    assert_eq!([Size::GaugeLength, Size::EffectiveLength].map(|of| size(&screw, of)), [8.2, 13.2]);
+}
+
+/// A diametral pitch is a module of 25.4/DP.
+#[test]
+fn a_worm_of_a_diametral_pitch_is_one_of_its_module() {
+    let [one, other] = ["worm DP10 z1=2 d44", "module worm m2.54 z1=2 d44"].map(|name| {
+        let thread: Thread = name.parse().expect("a worm");
+        (thread.limits(), thread.profile())
+    });
+    assert_eq!(one, other);
+}
+
 /// Flanks, triangle, lead and diameters that a gauge measures on.
 #[test]
 fn profiles_are_those_of_the_standards() {

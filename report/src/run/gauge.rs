@@ -12,11 +12,12 @@ pub(super) fn says(summary: &Summary, verdict: &mut Verdict) {
         let grade = if good { Grade::Good } else { Grade::Look };
         verdict.say(grade, format!("Groove: {}.", groove.sentence()));
     }
-    let Some(gauge) = &summary.gauge else { return };
-    match gauge.verdict {
-        PartVerdict::Good => verdict.say(Grade::Good, format!("Gauge: {}.", gauge.sentence())),
-        PartVerdict::None => verdict.say(Grade::Look, format!("Gauge: {}.", gauge.sentence())),
-        PartVerdict::Bad => {}
+    for gauge in summary.gauged() {
+        match gauge.verdict {
+            PartVerdict::Good => verdict.say(Grade::Good, format!("Gauge: {}.", gauge.sentence())),
+            PartVerdict::None => verdict.say(Grade::Look, format!("Gauge: {}.", gauge.sentence())),
+            PartVerdict::Bad => {}
+        }
     }
 }
 
@@ -35,7 +36,11 @@ fn rows(gauge: &GaugeReport) -> Vec<(&'static str, String, String)> {
     let um = |um: f64| format!("{um:.2} µm");
     let crest = span(&gauge.crest_mm).unwrap_or_else(|| "not judged".into());
     let root = span(&gauge.root_mm).unwrap_or_default();
-    vec![
+    let standoff = gauge.standoff_mm.map(|mm| {
+        let found = format!("{mm:+.3} mm, {:+.2} turns", mm / gauge.limits.pitch_mm);
+        ("GO before its plane", found, "in GO and NO-GO".into())
+    });
+    let mut rows = vec![
         ("Pitch diameter", pitch, limits),
         ("Virtual pitch diameter (GO)", virtual_mm, go),
         ("Crest, diameter", crest, asked(gauge.limits.crest_mm)),
@@ -51,7 +56,9 @@ fn rows(gauge: &GaugeReport) -> Vec<(&'static str, String, String)> {
             format!("{:.2} mm", gauge.length_mm),
             format!("GO gauge of {:.2} mm", gauge.limits.length_mm),
         ),
-    ]
+    ];
+    rows.extend(standoff);
+    rows
 }
 
 /// Smallest and largest diameter that was found; `None` if nobody knows.

@@ -28,7 +28,7 @@ pub(super) fn html(run: &Run) -> String {
         @if let Some(solid) = &drawn.solid { (solid) }
         @if let Some(table) = taps::table(summary) { (section(&table)) }
         @if summary.turned().next().is_some() { (passes::tables(summary)) }
-        @if let Some(gauge) = &summary.gauge { (gauge::table(gauge)) }
+        @for gauge in summary.gauged() { (gauge::table(gauge)) }
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
         @for table in &drawn.tables { (section(table)) }

@@ -1,18 +1,18 @@
-//! Gauges that an observer holds against what was cut: GO and NO-GO of a thread, the drawing of a groove.
+//! Gauges that an observer holds against what was cut: GO and NO-GO of threads, the drawing of a groove.
 
 use protocol::{Motion, Truth};
 
-use super::gauged::{GaugeAsked, Gauged, GrooveAsked, Grooved};
-use super::{Led, Observer};
+use super::gauged::{GaugeAsked, GaugeReport, Gauged, GrooveAsked, Grooved};
+use super::{Led, Observer, Summary};
 
 impl Observer {
-    /// The same observer with a gauge for the thread; after [`Observer::of_part`], if there is one.
+    /// The same observer with one more gauge for a thread; after [`Observer::of_part`], if there is one.
     ///
     /// # Panics
     /// If no gauge can be made of what is asked: see [`gauge::Nominal::check`].
     #[must_use]
     pub fn with_gauge(mut self, asked: GaugeAsked) -> Observer {
-        self.gauged = Some(Gauged::new(&self.machine, &self.program, asked));
+        self.gauged.push(Gauged::new(&self.machine, &self.program, asked));
         self
     }
 
@@ -23,13 +23,39 @@ impl Observer {
         self
     }
 
+    /// What they say: of several the worst stands for all.
+    pub(super) fn report_gauges(&mut self) {
+        let said: Vec<_> = self.gauged.iter().map(Gauged::report).collect();
+        self.out.gauge = GaugeReport::worst(said.iter().cloned());
+        self.out.gauges = if said.len() > 1 { said } else { Vec::new() };
+    }
+
     /// What a tool turns before the thread is gauged.
     pub(super) fn take_turned(&mut self, truth: &Truth) {
-        let Some(_) = &self.gauged else { return };
+        if self.gauged.is_empty() {
+            return;
+        }
         let Led { tool, motion } = self.setpoints.now();
         let origin_mm = self.out.tools.get(&tool).and_then(|tool| tool.origin_mm);
         for gauged in self.gauged.iter_mut().chain(self.rings.gauges()) {
             gauged.turns(motion == Motion::Feed, origin_mm, truth);
         }
+    }
+}
+
+impl Summary {
+    /// What each gauge says, in the order of the program.
+    pub fn gauged(&self) -> &[GaugeReport] {
+        if self.gauges.is_empty() { self.gauge.as_slice() } else { &self.gauges }
+    }
+
+    /// What the gauge of a pass says; of a chain that of its first thread.
+    pub fn gauge_of(&self, pass: u32) -> Option<&GaugeReport> {
+        self.gauged().iter().find(|gauge| gauge.passes.is_empty() || gauge.passes.contains(&pass))
+    }
+
+    /// The gauge that a run is repeated with: several threads have their names from the program alone.
+    pub fn repeats_gauge(&self) -> Option<String> {
+        self.gauge.as_ref().filter(|_| self.gauges.is_empty()).map(|gauge| gauge.name.clone())
     }
 }

@@ -11,10 +11,8 @@ impl Observer {
     /// thread in which it stands counts for the gauge.
     pub fn run_down(&mut self, truth: &Truth) {
         let Some(pass) = &self.current else { return };
-        if let Some(gauged) = &mut self.gauged {
-            self.rings.part_from(gauged);
-            gauged.cycle(pass.pass(), truth);
-        }
+        self.rings.part_from(&self.gauged);
+        self.gauged.iter_mut().for_each(|gauged| gauged.cycle(pass.pass(), truth));
         self.grooved.iter_mut().for_each(|grooved| grooved.cycle(pass.pass(), truth));
         let origin_mm = pass.origin_mm().map_or(0.0, |[_, z]| z);
         let tool = Coasting { pass: pass.pass().pass, origin_mm, off_helix: pass.off_helix(truth) };
@@ -28,10 +26,10 @@ impl Observer {
         let in_place_mm = before.out.tools.get(&before.setpoints.now().tool).and_then(|tool| tool.origin_mm);
         self.threads = before.threads;
         self.rings = before.rings.switched_on();
-        if let Some(now) = self.gauged.take() {
-            self.rings.gauges().for_each(|gauged| gauged.goes_on(&now, in_place_mm));
+        if let Some(now) = self.gauged.first().cloned() {
             self.gauged = before.gauged;
-            self.gauged.iter_mut().for_each(|gauged| gauged.goes_on(&now, in_place_mm));
+            let gauges = self.gauged.iter_mut().chain(self.rings.gauges());
+            gauges.for_each(|gauged| gauged.goes_on(&now, in_place_mm));
         }
         self.grooved = match (self.grooved.take(), before.grooved) {
             (Some(now), Some(before)) => Some(before.goes_on(&now)),

@@ -44,7 +44,7 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
     let rings = summary.resumed.iter().flat_map(|resumed| &resumed.rings);
     reasons.extend(rings.map(RingReport::told));
     reasons.extend(threads(summary, error_um));
-    let gauge = summary.gauge.iter().filter(|gauge| gauge.verdict == PartVerdict::Bad);
+    let gauge = summary.gauged().iter().filter(|gauge| gauge.verdict == PartVerdict::Bad);
     reasons.extend(gauge.flat_map(|gauge| gauge.reasons.iter().map(|why| format!("{}: {why}", gauge.name))));
     let groove = summary.groove.iter().filter(|groove| groove.verdict == PartVerdict::Bad);
     reasons.extend(groove.flat_map(|groove| groove.reasons.iter().map(|why| format!("the groove: {why}"))));
@@ -60,7 +60,7 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
     let judges = !summary.traces.is_empty() || summary.touched().next().is_some();
     // What was cut before the line at which a program is begun has been judged by nobody.
     let undecided = summary.from_line.is_some()
-        || summary.gauge.iter().any(|gauge| gauge.verdict == PartVerdict::None)
+        || summary.gauged().iter().any(|gauge| gauge.verdict == PartVerdict::None)
         || summary.groove.iter().any(|groove| groove.verdict == PartVerdict::None);
     let verdict = match (reasons.is_empty(), judges && !undecided) {
         (false, _) => PartVerdict::Bad,

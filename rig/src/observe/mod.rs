@@ -128,7 +128,7 @@ pub struct Observer {
     /// Passes of the runs that this one goes on with, and what else is known of those.
     earlier: Vec<PassReport>,
     rings: Rings,
-    gauged: Option<Gauged>,
+    gauged: Vec<Gauged>,
     grooved: Option<Grooved>,
     index_number: u64,
     index_deg: f64,
@@ -166,7 +166,7 @@ impl Observer {
             threads: Threads::default(),
             earlier: Vec::new(),
             rings: Rings::default(),
-            gauged: None,
+            gauged: Vec::new(),
             grooved: None,
             index_number: 0,
             index_deg: 0.0,
@@ -281,6 +281,7 @@ impl Observer {
     pub fn finish(mut self) -> Observation {
         self.close();
         self.warn();
+        self.report_gauges();
         (self.out.thread, self.out.resumed) = (self.thread(), self.rings.reported());
         self.hash.update(&self.batch);
         self.out.trace_hash = self.hash.finalize().to_hex().to_string();
@@ -291,7 +292,6 @@ impl Observer {
         self.out.pauses = self.pauses.finish();
         (self.out.outputs, self.out.analog_outputs, self.out.inputs) = self.outputs.finish();
         self.out.messages = self.messages.told;
-        self.out.gauge = self.gauged.as_ref().map(Gauged::report);
         self.out.groove = self.grooved.as_ref().map(Grooved::report);
         self.out
     }

@@ -33,6 +33,8 @@ pub struct Observation {
     pub from_line: Option<u32>,
     /// What the gauge says, if one was asked for.
     pub gauge: Option<GaugeReport>,
+    /// What each of several gauges says, in the order of the program.
+    pub gauges: Vec<GaugeReport>,
     /// What becomes of the groove that the program draws, if it draws one.
     pub groove: Option<GrooveReport>,
     /// Timed motion.
@@ -88,6 +90,7 @@ impl Observation {
             from_line: self.from_line,
             thread: self.thread,
             gauge: self.gauge,
+            gauges: self.gauges,
             groove: self.groove,
             moves: self.moves,
             traces: self.traces,

@@ -15,7 +15,7 @@
 use protocol::{Axis, Truth};
 use serde::{Deserialize, Serialize};
 
-use super::gauged::Gauged;
+use super::gauged::{GaugeReport, Gauged};
 use super::verdict::PartVerdict;
 
 /// A spindle that stands swings by less, degrees.
@@ -87,8 +87,8 @@ impl RingReport {
 /// What is known of the runs that one goes on with.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rings {
-    /// The gauge without what was cut while the spindle ran down.
-    without: Option<Gauged>,
+    /// The gauges without what was cut while the spindle ran down; empty where it did not.
+    without: Vec<Gauged>,
     rings: Vec<RingReport>,
     /// In the cycle before: true angle of the spindle, degrees.
     turned_deg: Option<f64>,
@@ -110,14 +110,16 @@ pub(super) struct Coasting {
 }
 
 impl Rings {
-    /// Gauges beside the one of all that was cut.
+    /// Gauges beside those of all that was cut.
     pub(super) fn gauges(&mut self) -> impl Iterator<Item = &mut Gauged> {
         self.without.iter_mut()
     }
 
-    /// From here on what is cut may be no thread: the gauge as it is goes on without it.
-    pub(super) fn part_from(&mut self, gauged: &Gauged) {
-        self.without.get_or_insert_with(|| gauged.clone());
+    /// From here on what is cut may be no thread: the gauges as they are go on without it.
+    pub(super) fn part_from(&mut self, gauged: &[Gauged]) {
+        if self.without.is_empty() {
+            self.without = gauged.to_vec();
+        }
     }
 
     /// Takes a cycle in which nobody leads a tool that was led in a pass (M190).
@@ -145,7 +147,7 @@ impl Rings {
     /// The run that is gone on with, and what became of the part meanwhile.
     pub(super) fn reported(&self) -> Option<ResumedReport> {
         let rings: Vec<_> = self.rings.iter().filter(|ring| ring.turned_deg >= LEAST_DEG).cloned().collect();
-        let judged = self.without.as_ref().map(|gauged| gauged.report().verdict);
+        let judged = GaugeReport::worst(self.without.iter().map(Gauged::report)).map(|report| report.verdict);
         let gauge_without_rings = judged.filter(|_| !rings.is_empty());
         self.report.clone().map(|report| ResumedReport { rings, gauge_without_rings, ..report })
     }

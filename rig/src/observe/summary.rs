@@ -329,9 +329,12 @@ pub struct Summary {
     pub passes: Vec<PassReport>,
     /// The threads.
     pub thread: ThreadReport,
-    /// What the gauge says, if one was asked for.
+    /// What the gauge says, if one was asked for; of several the first with the worst verdict.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gauge: Option<GaugeReport>,
+    /// What each of several gauges says, in the order of the program.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gauges: Vec<GaugeReport>,
     /// What becomes of the groove that the program draws, if it draws one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub groove: Option<GrooveReport>,

@@ -45,7 +45,7 @@ fn gauged(program: &str, nose_mm: f64, scenario: &str) -> (GaugeReport, Vec<Pass
 fn gauged_on(machine: &Machine, program: &str, scenario: &str) -> (GaugeReport, Vec<PassReport>) {
     let items = compiled(machine, program);
     let scenario = Scenario::from_toml(scenario).expect("the scenarios of the tests are sound");
-    let asked = GaugeAsked { nominal: m20x2(), origins_mm: BTreeMap::new() };
+    let asked = GaugeAsked { nominal: m20x2(), origins_mm: BTreeMap::new(), passes: None };
     let mut observer = Observer::new(machine, &items).with_gauge(asked);
     let mut rig = Rig::new(machine, items.iter().copied(), scenario, 1).expect("a machine");
     while rig.cycle(None, |record| observer.cycle(record)) {}

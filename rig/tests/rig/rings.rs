@@ -24,7 +24,11 @@ const ALL: usize = 1 << 20;
 
 fn gauged(machine: &Machine, items: &[Item]) -> Observer {
     let nominal = "M20x2-6g".parse().expect("a name");
-    Observer::new(machine, items).with_gauge(GaugeAsked { nominal, origins_mm: Default::default() })
+    Observer::new(machine, items).with_gauge(GaugeAsked {
+        nominal,
+        origins_mm: Default::default(),
+        passes: None,
+    })
 }
 
 fn rig(machine: &Machine, items: &[Item]) -> Rig<impl Iterator<Item = Item>, Straight> {

@@ -104,7 +104,7 @@ pub(super) fn figure(summary: &Summary, thread: &Thread) -> Figure {
     (part["fill"], part["fillcolor"], part["line"]["width"]) = (json!("toself"), json!(BAND), json!(0));
     (part["hoverinfo"], part["showlegend"]) = (json!("skip"), json!(false));
     let mut data = vec![part];
-    let gauge = summary.gauge.as_ref().filter(|gauge| gauge.limits.pitch_mm > 0.0);
+    let gauge = summary.gauge_of(thread.pass).filter(|gauge| gauge.limits.pitch_mm > 0.0);
     data.extend(gauge.iter().flat_map(|gauge| zone(&gauge.limits, thread, &surface)));
     let mut drawn = line(&cut, "cut", BLUE, ("x", "y"));
     drawn["line"]["simplify"] = json!(false);

@@ -14,6 +14,8 @@ const ALONG: f64 = 0.2;
 /// What is known of a thread.
 #[derive(Clone, Debug)]
 pub(super) struct Thread {
+    /// Number of a pass of it.
+    pub(super) pass: u32,
     /// 1 of a screw, −1 of a nut.
     pub(super) sign: f64,
     /// Distance of grooves along Z, and of turns of one groove.
@@ -59,7 +61,7 @@ impl Thread {
         if full.is_empty() || !goes_along || high - low < ALONG * lead_mm {
             return None;
         }
-        let pitch_mm = pitch_mm(summary, lead_mm);
+        let pitch_mm = pitch_mm(summary, pass.pass, lead_mm);
         let deepest = full[full.len() / 2];
         let ((place, slope), crest_is_guessed) = crest(summary, pass, [first, last], sign)?;
         let crest = match is_chain {
@@ -68,6 +70,7 @@ impl Thread {
         };
         let (middle_mm, root_mm) = groove(&passes, deepest, pitch_mm, pass.depth_mm);
         Some(Thread {
+            pass: pass.pass,
             sign,
             pitch_mm,
             lead_mm,
@@ -95,8 +98,8 @@ impl Thread {
 }
 
 /// The distance of grooves: the starts as a gauge of that lead has them, or as the passes have.
-fn pitch_mm(summary: &Summary, lead_mm: f64) -> f64 {
-    let asked = summary.gauge.as_ref().map(|gauge| (f64::from(gauge.limits.starts), gauge.limits.pitch_mm));
+fn pitch_mm(summary: &Summary, pass: u32, lead_mm: f64) -> f64 {
+    let asked = summary.gauge_of(pass).map(|gauge| (f64::from(gauge.limits.starts), gauge.limits.pitch_mm));
     let fits = |(starts, pitch): &(f64, f64)| (starts * pitch - lead_mm).abs() < ALONG * lead_mm;
     let starts = summary.passes.iter().map(|pass| pass.start + 1).max().unwrap_or(1);
     lead_mm / asked.filter(fits).map_or(f64::from(starts), |(starts, _)| starts)
@@ -104,7 +107,7 @@ fn pitch_mm(summary: &Summary, lead_mm: f64) -> f64 {
 
 /// Whether the tool goes towards the axis (1) or away from it.
 pub(super) fn sign_of(summary: &Summary, pass: &PassReport, x: f64) -> f64 {
-    match &summary.gauge {
+    match summary.gauge_of(pass.pass) {
         Some(gauge) if gauge.limits.side == "internal" => -1.0,
         Some(_) => 1.0,
         None if pass.delta_x_mm * x > 0.0 => -1.0,
@@ -115,7 +118,7 @@ pub(super) fn sign_of(summary: &Summary, pass: &PassReport, x: f64) -> f64 {
 /// The edge of the tool of a pass; the flanks as a gauge has them where nobody says what they are.
 fn edge_of(summary: &Summary, pass: &PassReport) -> Option<Edge> {
     let tool = summary.tools.get(&pass.tool_number);
-    let asked = summary.gauge.as_ref().map(|gauge| gauge.limits.flank_deg);
+    let asked = summary.gauge_of(pass.pass).map(|gauge| gauge.limits.flank_deg);
     let flank_deg = tool.and_then(|tool| tool.angle_deg).map(|deg| [0.5 * deg; 2]).or(asked)?;
     let nose_mm = tool.and_then(|tool| tool.nose_mm).unwrap_or(0.0);
     Some(match tool.and_then(|tool| tool.width_mm) {
@@ -135,14 +138,15 @@ fn crest(
 ) -> Option<(([f64; 2], f64), bool)> {
     let [from, to] = [first, last].map(|[z, x]| [z, sign * x.abs()]);
     let slope = if (to[0] - from[0]).abs() > 0.0 { (to[1] - from[1]) / (to[0] - from[0]) } else { 0.0 };
-    let turned = summary.gauge.as_ref().and_then(|gauge| gauge.crest_mm.iter().copied().reduce(f64::max));
+    let turned =
+        summary.gauge_of(pass.pass).and_then(|gauge| gauge.crest_mm.iter().copied().reduce(f64::max));
     if let Some(diameter) = turned {
         return Some((([from[0], 0.5 * sign * diameter], slope), false));
     }
     if pass.depth_mm > 0.0 {
         return Some((([from[0], from[1] + pass.depth_mm], slope), false));
     }
-    let limits = &summary.gauge.as_ref()?.limits;
+    let limits = &summary.gauge_of(pass.pass)?.limits;
     let most = if sign > 0.0 { 1 } else { 0 };
     let over = 0.375 * limits.pitch_mm / tangents(limits).iter().sum::<f64>();
     let y = |diameter: f64| 0.5 * sign * diameter;

@@ -20,6 +20,7 @@
 
 mod crossings;
 mod drawn;
+mod length;
 mod report;
 mod tapped;
 mod turned;
@@ -33,15 +34,12 @@ use protocol::{Axis, ThreadPass, Truth};
 use crossings::Crossings;
 pub(super) use drawn::Grooved;
 pub use drawn::{GrooveAsked, GrooveReport};
+use length::{full_mm, judged_mm};
 pub use report::{GaugeLimits, GaugeReport};
 use tapped::{Tap, holes};
 use turned::Turned;
 
-use super::{
-    helix::Helix,
-    planned::{Planned, Stock},
-    verdict::PartVerdict,
-};
+use super::{planned::Planned, verdict::PartVerdict};
 
 /// Places of the tip that are kept at most; a place takes 24 bytes.
 const PLACES: usize = 1_000_000;
@@ -54,9 +52,6 @@ const SPARE: f64 = 1.25;
 const CREST: &str = "the crest is not judged: the diameter before the thread was not turned by the program";
 /// A thread is judged that is longer than this share of a turn: its last groove ends within the turn.
 const SHORT: f64 = 0.9;
-/// A pass is as long as the longest one from this share of its length on: passes that follow a flank begin
-/// and end apart by their infeed.
-const AS_LONG: f64 = 0.9;
 
 /// A gauge that somebody asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +60,9 @@ pub struct GaugeAsked {
     pub nominal: Nominal,
     /// Where the zero of the program lies on the machine in each pass: X, Z, mm; 0 if nothing is said.
     pub origins_mm: BTreeMap<u32, [f64; 2]>,
+    /// The passes that it judges, and from where along Z of the machine on, mm: from the beginning of the
+    /// pass where nothing is said. All passes if it is not there.
+    pub passes: Option<BTreeMap<u32, Option<f64>>>,
 }
 
 /// Collects the places of the tip.
@@ -100,12 +98,16 @@ pub(super) struct Gauged {
 }
 
 impl Gauged {
-    /// A gauge for the passes of a program; on a mill one for each hole.
+    /// A gauge for the passes of a program that are its thread; on a mill one for each hole.
     pub(super) fn new(machine: &Machine, program: &BTreeMap<u32, Planned>, asked: GaugeAsked) -> Gauged {
-        if machine.general.kinematics != Kinematics::Mill {
-            return Gauged::of(machine, program, asked, None, PLACES);
+        let mut program = program.clone();
+        if let Some(passes) = &asked.passes {
+            program.retain(|number, _| passes.contains_key(number));
         }
-        let holes = holes(program, asked.nominal.pitch_diameter_mm[0]);
+        if machine.general.kinematics != Kinematics::Mill {
+            return Gauged::of(machine, &program, asked, None, PLACES);
+        }
+        let holes = holes(&program, asked.nominal.pitch_diameter_mm[0]);
         let places = PLACES / holes.len().max(1);
         let hole = |(mm, passes): (_, BTreeMap<u32, Planned>)| {
             Gauged::of(machine, &passes, asked.clone(), Some(mm), places)
@@ -176,7 +178,7 @@ impl Gauged {
             let is_nut = nominal.side == Side::Internal;
             gauged.other_side |= pass.cuts_outwards(x).is_some_and(|away| away != is_nut);
             let chamfer_mm = tap.as_ref().map_or(0.0, |_| tapped::PARTIAL * nominal.pitch_mm);
-            lengths_mm.push(full_mm(planned, z, first_mm, chamfer_mm));
+            lengths_mm.push(full_mm(planned, gauged.begins_mm(*number), [z, first_mm], chamfer_mm));
             gauged.taps.extend(tap.map(|tap| (*number, tap)));
         }
         gauged.full_mm = judged_mm(&lengths_mm);
@@ -206,6 +208,11 @@ impl Gauged {
 
     fn origin_mm(&self, pass: u32) -> [f64; 2] {
         self.asked.origins_mm.get(&pass).copied().unwrap_or_default()
+    }
+
+    /// Where along Z of the machine a pass begins to be this thread, if that is not its beginning.
+    fn begins_mm(&self, pass: u32) -> Option<f64> {
+        self.asked.passes.as_ref()?.get(&pass).copied().flatten()
     }
 
     /// Takes a control cycle of a pass (M158).
@@ -276,6 +283,7 @@ impl Gauged {
     /// What it says of the part of a lathe, or of one hole.
     fn of_hole(&self) -> GaugeReport {
         let mut report = self.of_thread();
+        report.passes = self.edges.keys().copied().collect();
         if let (Some([x, y]), false) = (self.hole_mm, report.reasons.is_empty()) {
             report.reasons[0].insert_str(0, &format!("hole at X {x:.3} Y {y:.3} of the machine: "));
         }
@@ -290,7 +298,7 @@ impl Gauged {
         } else if self.other_side && self.begun > 0 {
             return GaugeReport::refused(nominal, other_side(nominal));
         } else if planned == 0 {
-            "the program cuts no thread, or it is a tap of several starts or of a taper, or, on a mill, no tap".into()
+            "the program cuts no thread, or it is a tap of a taper, or, on a mill, no tap".into()
         } else if low >= high {
             "the passes have no length of full thread in common".into()
         } else {
@@ -354,38 +362,4 @@ fn edge_of(machine: &Machine, number: u32, nominal: &Nominal) -> Edge {
         Some(width_mm) => Edge::of_width(flank_deg, width_mm, nose_mm),
         None => Edge { flank_deg, flat_mm: 0.0, nose_mm },
     }
-}
-
-/// Where a thread is judged: what all passes that are about as long as the longest have in common. A shorter
-/// one is part of the same thread if it lies within, but what is cut beyond its end is judged as well.
-fn judged_mm(lengths_mm: &[[f64; 2]]) -> [f64; 2] {
-    let longest = lengths_mm.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
-    let is_long = |[low, high]: &&[f64; 2]| high - low >= AS_LONG * longest;
-    let none = [f64::NEG_INFINITY, f64::INFINITY];
-    let both = |[from, to]: [f64; 2], [low, high]: &[f64; 2]| [from.max(*low), to.min(*high)];
-    let common = lengths_mm.iter().filter(is_long).fold(none, both);
-    let meets = |length: &[f64; 2]| {
-        let [low, high] = both(common, length);
-        low < high
-    };
-    if lengths_mm.iter().all(meets) { common } else { [0.0; 2] }
-}
-
-/// Where a pass is at full depth on its first lead in the stock, along Z of the program. Stock that the
-/// machine file tells of does not move with another tool: it lies where the first pass sees it.
-/// Along the last `chamfer_mm` of a tap its teeth are not whole.
-fn full_mm(planned: &Planned, origin_mm: f64, first_origin_mm: f64, chamfer_mm: f64) -> [f64; 2] {
-    let pass = &planned.pass;
-    let helix = Helix::of(pass, Axis::Z);
-    let locked_deg = pass.axes.iter().map(protocol::AxisLaw::locked_deg).fold(0.0, f64::max);
-    // Of a chain the first thread: what follows it is another one.
-    let changes = pass.corners().next().map_or(f64::INFINITY, |corner| corner.c_deg);
-    let at = |deg: f64| helix.at_mm(deg) - origin_mm;
-    let [a, b] = [at(locked_deg), at(pass.thread_end_deg.min(changes).max(locked_deg))];
-    let b = b + chamfer_mm.min((b - a).abs()) * (a - b).signum();
-    let [low, high] = match &planned.stock {
-        Stock::Ends(ends) => ends.map(|end| end - first_origin_mm),
-        Stock::Part(part, _) => part.ends_mm(),
-    };
-    [a.min(b).max(low), a.max(b).min(high)]
 }

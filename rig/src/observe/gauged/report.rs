@@ -24,6 +24,9 @@ pub struct GaugeReport {
     pub pitch_diameter_max_mm: f64,
     /// Virtual pitch diameter: what GO meets, mm.
     pub virtual_pitch_diameter_mm: f64,
+    /// Of a taper: how far before its plane GO comes to rest; negative where it goes beyond, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub standoff_mm: Option<f64>,
     /// Error of the lead over the length of the GO gauge, or of the thread if that is shorter, µm.
     pub lead_error_um: f64,
     /// Largest unevenness of the helix within a turn, µm.
@@ -44,6 +47,9 @@ pub struct GaugeReport {
     pub length_mm: f64,
     /// What is asked of the thread.
     pub limits: GaugeLimits,
+    /// Numbers of the passes that are judged.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub passes: Vec<u32>,
 }
 
 /// What a gauge asks of a thread: diameters of a cone hold at its plane; mm, degrees.
@@ -123,6 +129,7 @@ impl GaugeReport {
             pitch_diameter_min_mm: low,
             pitch_diameter_max_mm: high,
             virtual_pitch_diameter_mm: found.virtual_mm,
+            standoff_mm: found.standoff_mm,
             lead_error_um: found.lead_error_um,
             drunkenness_um: found.drunkenness_um,
             starts_um: found.starts_um,
@@ -133,18 +140,29 @@ impl GaugeReport {
             crest_mm: Vec::new(),
             length_mm: found.length_mm,
             limits: GaugeLimits::from(nominal),
+            passes: Vec::new(),
         }
     }
 
-    /// Whether it is refused and the other is not, has no verdict and the other is good, or is wider.
-    pub(super) fn is_worse_than(&self, other: &GaugeReport) -> bool {
-        let grade = |report: &GaugeReport| match report.verdict {
+    /// How bad the verdict is.
+    fn grade(&self) -> u32 {
+        match self.verdict {
             PartVerdict::Bad => 2,
             PartVerdict::None => 1,
             PartVerdict::Good => 0,
-        };
+        }
+    }
+
+    /// Of several threads the first with the worst verdict.
+    pub(crate) fn worst(all: impl IntoIterator<Item = GaugeReport>) -> Option<GaugeReport> {
+        all.into_iter().reduce(|one, other| if other.grade() > one.grade() { other } else { one })
+    }
+
+    /// Of two holes of one thread: whether it is refused and the other is not, has no verdict and the other
+    /// is good, or is wider.
+    pub(super) fn is_worse_than(&self, other: &GaugeReport) -> bool {
         let wider = self.pitch_diameter_max_mm > other.pitch_diameter_max_mm;
-        grade(self) > grade(other) || grade(self) == grade(other) && wider
+        self.grade() > other.grade() || self.grade() == other.grade() && wider
     }
 
     /// The verdict in words, with what speaks for it or against it.
@@ -152,10 +170,17 @@ impl GaugeReport {
         let reasons = self.reasons.join("; ");
         match self.verdict {
             PartVerdict::Good => {
-                let [least, most] = self.limits.pitch_diameter_mm;
+                let GaugeLimits { pitch_diameter_mm: [least, most], pitch_mm, starts, .. } = self.limits;
+                let standoff = self.standoff_mm.map_or_else(String::new, |mm| {
+                    format!(", {mm:+.3} mm ({:+.2} turns) before its plane", mm / pitch_mm)
+                });
+                let apart = match starts {
+                    0 | 1 => String::new(),
+                    _ => format!(", {starts} starts within {:.2} µm", self.starts_um),
+                };
                 format!(
-                    "{} good: pitch diameter {:.4} to {:.4} mm of {least:.3} to {most:.3}, GO meets {:.4} mm; lead \
-                     {:+.2} µm over {:.1} mm, drunkenness {:.2} µm",
+                    "{} good: pitch diameter {:.4} to {:.4} mm of {least:.3} to {most:.3}, GO meets {:.4} mm{standoff}; lead \
+                     {:+.2} µm over {:.1} mm, drunkenness {:.2} µm{apart}",
                     self.name,
                     self.pitch_diameter_min_mm,
                     self.pitch_diameter_max_mm,

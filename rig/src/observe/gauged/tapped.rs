@@ -6,13 +6,17 @@
 //! | P, T | mm, – | pitch of the thread that is asked for; tangents of both flanks together |
 //! | d₂ | mm | pitch diameter of the tap |
 //! | f, j | – | number of a flute and of a tooth on it, from the point on |
+//! | n | – | starts |
 //! | x, y | mm | how far the axis of the tap lies beside that of the hole |
 //!
 //! ```text
 //! (M228) tooth j of flute f cuts at the angle of f/3 of a turn before: r = d₂/2 + 3 P/(8 T) + x cos (2π f/3)
 //!        on a mill, whose tap turns:                          r = d₂/2 + 3 P/(8 T) + x cos C − y sin C
-//!        z = z_point + P (j away − f/3 advance/|advance|);   lower by its chamfer for j < 2½
+//!        z = z_point + P (j away − frac (n f/3) advance/|advance|);   lower by its chamfer for j < 2½
 //! ```
+//! The teeth of a flute are a pitch apart, those of the next one a third of a lead on: with several starts
+//! that is a tooth of another groove, and what counts is where it lies between two of its neighbours.
+//!
 //! Nobody tells what a tap is like, so it is a new one of the thread that is asked for: sharp flanks, a flat
 //! of P/8, three flutes, a chamfer of two threads and a half, and a pitch diameter a third of the tolerance
 //! above the least of the nut, about where a new tap of class 2 lies. What the program does is judged by what
@@ -47,6 +51,8 @@ pub(super) struct Tap {
     away: f64,
     /// 1 where Z grows with the angle of the spindle.
     grows: f64,
+    /// Grooves beside each other.
+    starts: f64,
     stations: usize,
     /// It turns, and the hole stands: a mill.
     turns: bool,
@@ -55,7 +61,7 @@ pub(super) struct Tap {
 impl Tap {
     /// The tap of a pass that returns, for a nut; none for anything that no tap cuts.
     pub(super) fn of(nominal: &Nominal, pass: &ThreadPass, stations: usize, turns: bool) -> Option<Tap> {
-        let is_plain = nominal.sign() < 0.0 && nominal.taper == 0.0 && nominal.starts == 1;
+        let is_plain = nominal.sign() < 0.0 && nominal.taper == 0.0;
         (pass.returns() && is_plain).then(|| {
             let [least, most] = nominal.pitch_diameter_mm;
             let triangle_mm = nominal.pitch_mm / nominal.tangent();
@@ -65,6 +71,7 @@ impl Tap {
                 pitch_mm: nominal.pitch_mm,
                 away: -pass.lead_mm.signum(),
                 grows: if nominal.grows { 1.0 } else { -1.0 },
+                starts: f64::from(nominal.starts),
                 stations,
                 turns,
             }
@@ -80,7 +87,8 @@ impl Tap {
     pub(super) fn cuts(&self, [x, y, z]: [f64; 3], station: usize, mut each: impl FnMut(usize, f64, f64)) {
         for flute in 0..FLUTES {
             let share = flute as f64 / FLUTES as f64;
-            let on = self.away * -self.grows * share;
+            let between = (self.starts * share).fract();
+            let on = self.away * -self.grows * between;
             let before = (station + self.stations - flute * self.stations / FLUTES) % self.stations;
             let beside = if self.turns {
                 let at = TAU * before as f64 / self.stations as f64;
@@ -90,7 +98,7 @@ impl Tap {
             };
             let radius = self.tip_mm + beside;
             for tooth in 0..TEETH / FLUTES {
-                let along = self.away * tooth as f64 - self.grows * share;
+                let along = self.away * tooth as f64 - self.grows * between;
                 let lacks = (1.0 - (tooth as f64 + on) / CHAMFER).clamp(0.0, 1.0) * self.chamfer_mm;
                 each(before, radius - lacks, z + self.pitch_mm * along);
             }

@@ -34,7 +34,7 @@ fn nominal() -> Nominal {
 
 fn observed(nominal: Nominal, passes: &[(ThreadPass, Injected)]) -> Observation {
     let mut ideal = Ideal::new();
-    ideal.gauge = Some(GaugeAsked { nominal, origins_mm: BTreeMap::new() });
+    ideal.gauge = Some(GaugeAsked { nominal, origins_mm: BTreeMap::new(), passes: None });
     ideal.run(passes, |_, _| {})
 }
 
