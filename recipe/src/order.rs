@@ -70,7 +70,7 @@ impl Default for Order {
             most_force_n: None,
             most_power_kw: None,
             springs: 2,
-            least_mm: 0.02,
+            least_mm: 0.025,
             sequence: Sequence::default(),
             turn: true,
             written_out: false,

@@ -136,7 +136,7 @@ pub(crate) struct WriteArgs {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=20))]
     springs: u32,
     /// No cut is shallower than this, mm of radius.
-    #[arg(long, value_name = "MM", default_value_t = 0.02)]
+    #[arg(long, value_name = "MM", default_value_t = 0.025)]
     least_cut: f64,
     /// Where beside the groove the passes run; without it along a flank, straight in if the flanks differ.
     #[arg(long, value_parser = one_of(&INFEEDS))]
