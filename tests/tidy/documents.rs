@@ -176,6 +176,31 @@ fn every_test_that_a_page_names_exists() {
     none(&findings);
 }
 
+/// A "no" of another control can be looked up: its column has a document for each of the tables.
+#[test]
+fn every_control_of_the_comparison_has_its_sources() {
+    let text = read(Path::new("docs/comparison.md"));
+    let (tables, sources) = text.split_once("## Where it was read").expect("a heading");
+    let heads: Vec<&str> = tables.lines().filter(|line| line.starts_with("| | ")).collect();
+    assert!(heads.len() == 3 && heads.iter().all(|head| *head == heads[0]), "{heads:?}");
+    let controls =
+        heads[0].split('|').map(str::trim).filter(|name| !["", "pitchlock", "test"].contains(name));
+    let mut findings = Vec::new();
+    for control in controls {
+        let of =
+            sources.split(&format!("* **{control}**")).nth(1).and_then(|rest| rest.split("\n* **").next());
+        for kind in ["words", "in the thread", "besides"] {
+            let told = of.and_then(|of| of.split(&format!("  * {kind}: ")).nth(1));
+            let told = told.and_then(|told| told.split("\n  * ").next()).unwrap_or_default();
+            let is_source = told.contains("http")
+                || told.chars().any(|c| c.is_ascii_digit())
+                || told.contains("contents");
+            findings.extend((!is_source).then(|| format!("{control}, {kind}: no source")));
+        }
+    }
+    none(&findings);
+}
+
 /// Whoever looks a code up in the page of faults finds it, those of the launcher too.
 #[test]
 fn the_codes_of_the_launcher_are_on_the_page_of_faults() {
