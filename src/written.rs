@@ -4,7 +4,8 @@
 //! what the system has in `/dev` (`/dev/null`, `/dev/stdout`) is written to.
 
 use std::{
-    io::{ErrorKind, Read},
+    fs::File,
+    io::{ErrorKind, Read, Write as _},
     os::unix::fs::FileTypeExt as _,
     path::Path,
 };
@@ -130,12 +131,27 @@ pub(crate) fn write(path: &Path, made: Made, content: impl AsRef<[u8]>) -> Resul
 /// # Errors
 /// It cannot be written; what was there is as it was.
 pub(crate) fn put(path: &Path, content: impl AsRef<[u8]>) -> Result<(), CliError> {
+    let all = |file: &mut File| file.write_all(content.as_ref());
+    by_parts(path, |file| all(file).map_err(|error| CliError::file(path, error)))
+}
+
+/// The same, part by part.
+///
+/// # Errors
+/// As [`put`], and those of `write`.
+pub(crate) fn by_parts<T>(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> Result<T, CliError>,
+) -> Result<T, CliError> {
+    let failed = |error| CliError::file(path, error);
     let of_system = path.starts_with("/dev") || path.metadata().is_ok_and(|found| !found.is_file());
-    let wrote = match of_system {
-        true => std::fs::write(path, content),
-        false => intake::prepare(path, content.as_ref()).and_then(intake::Prepared::put),
-    };
-    wrote.map_err(|error| CliError::file(path, error))
+    if of_system {
+        return write(&mut File::create(path).map_err(failed)?);
+    }
+    let mut prepared = intake::begin(path).map_err(failed)?;
+    let written = write(prepared.file())?;
+    prepared.put().map_err(failed)?;
+    Ok(written)
 }
 
 /// Refuses what would be waited for until somebody reads it.

@@ -125,41 +125,57 @@ pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// A file that is whole under a name of its own, until it is put in its place; dropped, it is gone.
+/// What will be a file under a name of its own, until it is put in its place; dropped, it is gone.
 #[derive(Debug)]
 pub struct Prepared {
+    file: File,
     fresh: PathBuf,
     path: PathBuf,
 }
 
-/// Writes what will be the new content of a file of the user's own, down to the disk. It keeps its
-/// permissions, and its place if `path` is a link. What is written to is new: no link is followed, no pipe
-/// waited for, and nobody else's file is touched.
+/// Writes what will be the new content of a file of the user's own, down to the disk.
+///
+/// # Errors
+/// As [`begin`]; or it cannot be written.
+pub fn prepare(path: &Path, bytes: &[u8]) -> Result<Prepared> {
+    let mut prepared = begin(path)?;
+    prepared.file.write_all(bytes)?;
+    prepared.file.sync_all()?;
+    Ok(prepared)
+}
+
+/// Begins what will be the new content of a file of the user's own. It keeps its permissions, and its place if
+/// `path` is a link. What is written to is new: no link is followed, no pipe waited for, and nobody else's file
+/// is touched.
 ///
 /// # Errors
 /// It cannot be written.
-pub fn prepare(path: &Path, bytes: &[u8]) -> Result<Prepared> {
+pub fn begin(path: &Path) -> Result<Prepared> {
     let old = path.canonicalize().ok();
     let path = old.clone().unwrap_or_else(|| path.into());
     let mut name = path.as_os_str().to_owned();
     name.push(format!(".{}.new", std::process::id()));
     let fresh = PathBuf::from(name);
-    let mut file = OpenOptions::new().write(true).create_new(true).open(&fresh)?;
-    let prepared = Prepared { fresh, path };
-    file.write_all(bytes)?;
+    let file = OpenOptions::new().write(true).create_new(true).open(&fresh)?;
+    let prepared = Prepared { file, fresh, path };
     if let Some(old) = &old {
-        file.set_permissions(fs::metadata(old)?.permissions())?;
+        prepared.file.set_permissions(fs::metadata(old)?.permissions())?;
     }
-    file.sync_all()?;
     Ok(prepared)
 }
 
 impl Prepared {
-    /// Puts it in its place.
+    /// What its content is written to.
+    pub fn file(&mut self) -> &mut File {
+        &mut self.file
+    }
+
+    /// Puts it in its place, down to the disk.
     ///
     /// # Errors
     /// The operating system refuses; the file is as it was.
     pub fn put(self) -> Result<()> {
+        self.file.sync_all()?;
         fs::rename(&self.fresh, &self.path)?;
         if let Ok(folder) = File::open(folder_of(&self.path)) {
             let _ = folder.sync_all(); // not every file system can; the file itself is whole

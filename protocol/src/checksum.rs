@@ -19,14 +19,8 @@ const REMAINDERS: [u32; 256] = {
     remainders
 };
 
-/// The checksum of some bytes.
-pub(crate) fn crc32(bytes: &[u8]) -> u32 {
-    let mut crc = Crc::new();
-    crc.add(bytes);
-    crc.sum()
-}
-
 /// The checksum of bytes that come one after the other.
+#[derive(Debug)]
 pub(crate) struct Crc(u32);
 
 impl Crc {
@@ -51,7 +45,13 @@ impl Crc {
 mod tests {
     use proptest::prelude::*;
 
-    use super::crc32;
+    use super::Crc;
+
+    fn crc32(bytes: &[u8]) -> u32 {
+        let mut crc = Crc::new();
+        crc.add(bytes);
+        crc.sum()
+    }
 
     /// The check value of the catalogue of CRCs.
     #[test]

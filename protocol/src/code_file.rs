@@ -8,10 +8,11 @@
 //! | 4 | CRC-32 of the content, little-endian |
 //! | … | content: a [`CodeFile`] through serde and bincode 2, standard configuration |
 //!
-//! What is read was written by `write` and nothing else: every other byte sequence is refused with the
-//! reason. A [`CodeReader`] looks at a file twice, once for its checksum and once for its items, and gives
-//! them one by one: the memory that it takes does not depend on the length of the file. That matters because
-//! an item of two bytes takes hundreds of times as many in memory.
+//! What is read was written by a [`CodeWriter`] and nothing else: every other byte sequence is refused with the
+//! reason. A writer takes items one by one and fills in the head at the end; a [`CodeReader`] looks at a file
+//! twice, once for its checksum and once for its items, and gives them one by one: the memory that both take
+//! does not depend on the length of the file. That matters because an item of two bytes takes hundreds of times
+//! as many in memory.
 
 use std::{
     fs::File,
@@ -21,11 +22,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    checksum::{Crc, crc32},
-    code::Item,
-    refused::Refused,
-};
+use crate::{checksum::Crc, code::Item, refused::Refused};
 
 /// What a file begins with.
 pub const MAGIC: [u8; 4] = *b"PLMC";
@@ -106,6 +103,16 @@ pub enum CodeFileError {
         /// What is wrong with it.
         reason: Refused,
     },
+    /// A program has other items than those it was said to have.
+    #[error(
+        "it has {given} items, and {said} were counted before: it has changed meanwhile, compile it again"
+    )]
+    Recounted {
+        /// So many were said, and
+        said: u64,
+        /// so many came, or one more than were said.
+        given: u64,
+    },
     /// Made for another machine.
     #[error(
         "compiled for machine {compiled:?}, and this is {present:?}: compile the program for this machine"
@@ -129,18 +136,11 @@ impl CodeFile {
     /// # Errors
     /// [`CodeFileError::Io`]; [`CodeFileError::Item`] for what could not be read again.
     pub fn write(&self, file: &mut impl Write) -> Result<(), CodeFileError> {
-        self.check_items()?;
-        let content = bincode::serde::encode_to_vec(self, bincode::config::standard())
-            .map_err(|error| CodeFileError::Content(error.to_string()))?;
-        let length = content.len() as u64;
-        if length > LONGEST {
-            return Err(CodeFileError::TooLong(length));
-        }
-        file.write_all(&MAGIC)?;
-        file.write_all(&VERSION.to_le_bytes())?;
-        file.write_all(&length.to_le_bytes())?;
-        file.write_all(&crc32(&content).to_le_bytes())?;
-        Ok(file.write_all(&content)?)
+        let mut bytes = Cursor::new(Vec::new());
+        let mut writer = CodeWriter::new(&mut bytes, &self.program, &self.machine, self.items.len() as u64)?;
+        self.items.iter().try_for_each(|item| writer.put(item))?;
+        writer.finish()?;
+        Ok(file.write_all(bytes.get_ref())?)
     }
 
     /// Reads and checks a file, and keeps all of its items.
@@ -159,13 +159,82 @@ impl CodeFile {
     pub fn is_named(path: &Path) -> bool {
         path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mc"))
     }
+}
 
-    fn check_items(&self) -> Result<(), CodeFileError> {
-        for (number, item) in self.items.iter().enumerate() {
-            let refused = |reason| CodeFileError::Item { number, line: item.line, reason };
-            item.check().map_err(refused)?;
+/// Writes a file item by item. It is none before all of it is there: its head comes last.
+#[derive(Debug)]
+pub struct CodeWriter<W> {
+    file: W,
+    crc: Crc,
+    length: u64,
+    /// Items that were put, and how many there will be.
+    given: u64,
+    count: u64,
+}
+
+impl<W: Write + Seek> CodeWriter<W> {
+    /// Begins a file, which is empty, for the program of this name with so many items.
+    ///
+    /// # Errors
+    /// [`CodeFileError::Io`]
+    pub fn new(
+        mut file: W,
+        program: &str,
+        machine: &Identity,
+        count: u64,
+    ) -> Result<CodeWriter<W>, CodeFileError> {
+        file.write_all(&[0; HEAD as usize])?;
+        let mut writer = CodeWriter { file, crc: Crc::new(), length: 0, given: 0, count };
+        let Identity { name, cycle_s, interpolator_cycle_s } = machine;
+        writer.encode(&(program, name, cycle_s, interpolator_cycle_s, count))?;
+        Ok(writer)
+    }
+
+    /// The next item.
+    ///
+    /// # Errors
+    /// [`CodeFileError::Item`] for what could not be read again; [`CodeFileError::Recounted`] behind the last one;
+    /// [`CodeFileError::TooLong`]; [`CodeFileError::Io`].
+    pub fn put(&mut self, item: &Item) -> Result<(), CodeFileError> {
+        item.check().map_err(|reason| CodeFileError::Item {
+            number: usize::try_from(self.given).unwrap_or(usize::MAX),
+            line: item.line,
+            reason,
+        })?;
+        self.given += 1;
+        if self.given > self.count {
+            return Err(CodeFileError::Recounted { said: self.count, given: self.given });
         }
-        Ok(())
+        self.encode(item)
+    }
+
+    /// Ends the file; its length, bytes.
+    ///
+    /// # Errors
+    /// [`CodeFileError::Recounted`] if items are missing; [`CodeFileError::Io`].
+    pub fn finish(mut self) -> Result<u64, CodeFileError> {
+        if self.given < self.count {
+            return Err(CodeFileError::Recounted { said: self.count, given: self.given });
+        }
+        self.file.seek(SeekFrom::Start(0))?;
+        self.file.write_all(&MAGIC)?;
+        self.file.write_all(&VERSION.to_le_bytes())?;
+        self.file.write_all(&self.length.to_le_bytes())?;
+        self.file.write_all(&self.crc.sum().to_le_bytes())?;
+        self.file.flush()?;
+        Ok(HEAD + self.length)
+    }
+
+    /// The next part of the content.
+    fn encode(&mut self, part: &impl Serialize) -> Result<(), CodeFileError> {
+        let bytes = bincode::serde::encode_to_vec(part, bincode::config::standard())
+            .map_err(|error| CodeFileError::Content(error.to_string()))?;
+        self.length += bytes.len() as u64;
+        if self.length > LONGEST {
+            return Err(CodeFileError::TooLong(self.length));
+        }
+        self.crc.add(&bytes);
+        Ok(self.file.write_all(&bytes)?)
     }
 }
 

@@ -4,7 +4,6 @@
 mod g1;
 
 use std::{
-    fs::File,
     io::{BufWriter, Write},
     path::{Path, PathBuf},
     process::ExitCode,
@@ -12,7 +11,10 @@ use std::{
 
 use clap::Args;
 use machine::Machine;
-use protocol::{Code, Item, Shape, code_file::CodeFile};
+use protocol::{
+    Item,
+    code_file::{CodeFile, CodeWriter},
+};
 
 use crate::{
     args::ProgramArgs,
@@ -22,7 +24,7 @@ use crate::{
     words::{self, Phase},
     written::{self, Made},
 };
-use g1::{NoLines, Size};
+use g1::{About, NoLines, Size};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct CompileArgs {
@@ -52,28 +54,22 @@ pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliEr
     if !quiet {
         words::say(&format!("{}{}", shop.notes, program.messages));
     }
+    // Items come anew whenever they are needed: kept, a long program would take much memory.
+    let items = || program.items(&args.input.program, &language, &machine);
     let compiling = Phase::begin("compiling");
-    // Without its folder, so that a program has the same machine code everywhere.
-    let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
-    let items = program.items(&args.input.program, &language, &machine)?;
-    let items = items.inspect(|item| item.iter().for_each(|item| Phase::at(item.line)));
-    let items: Vec<Item> = items.collect::<Result<_, _>>().map_err(CliError::Input)?;
-    let file = CodeFile::new(&name, &machine.identity(), items);
-    let mut bytes = Vec::new();
-    file.write(&mut bytes).map_err(|error| CliError::file(&args.out, error))?;
-    written::put(&args.out, &bytes)?;
+    let (bytes, about) = write_code(args, program.count, items()?, &machine)?;
     drop(compiling);
-    screen::print(&format!("{}: {} items, {} bytes\n", args.out.display(), program.count, bytes.len()));
+    screen::print(&format!("{}: {} items, {bytes} bytes\n", args.out.display(), program.count));
     let lines = match &args.g1 {
-        Some(path) => Some(write_lines(path, args, &file.items, &machine)?),
+        Some(path) => Some(write_lines(path, args, &about, items()?, &machine)?),
         // Without lines there is nothing to compare.
-        None if traces(&file.items, |_| true) => g1::write(&file.items, &machine, &mut |_| {}).ok(),
+        None if about.works() => g1::write(&about, items()?, &machine, &mut |_| {}).ok(),
         None => None,
     };
     if let Some(lines) = lines {
-        screen::print(&compared(bytes.len() as u64, lines));
+        screen::print(&compared(bytes, lines));
     }
-    if args.g1.is_some() && traces(&file.items, |work| matches!(work, Shape::Seam(_))) {
+    if args.g1.is_some() && about.seams() {
         screen::print(
             "the lines of a seam are for size and for other controls: this machine is slower along them\n",
         );
@@ -81,32 +77,60 @@ pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliEr
     Ok(ExitCode::SUCCESS)
 }
 
-/// Whether there is a trace of such work.
-fn traces(items: &[Item], is: impl Fn(&Shape) -> bool) -> bool {
-    items.iter().any(|item| matches!(&item.code, Code::Work(trace) if is(&trace.shape)))
+/// The items of a program, or what is wrong with it.
+type Items = Box<dyn Iterator<Item = Result<Item, String>>>;
+
+/// Writes so many items to the machine-code file; its bytes, and what lines of it would tell at their beginning.
+fn write_code(
+    args: &CompileArgs,
+    count: u64,
+    items: Items,
+    machine: &Machine,
+) -> Result<(u64, About), CliError> {
+    // Without its folder, so that a program has the same machine code everywhere.
+    let name = args.input.program.file_name().unwrap_or_default().to_string_lossy();
+    let failed = |error| CliError::file(&args.out, error);
+    written::by_parts(&args.out, |file| {
+        let mut about = About::default();
+        let file = BufWriter::new(file);
+        let mut file = CodeWriter::new(file, &name, &machine.identity(), count).map_err(failed)?;
+        for item in items {
+            let item = item.map_err(CliError::Input)?;
+            Phase::at(item.line);
+            about.item(&item);
+            file.put(&item).map_err(failed)?;
+        }
+        Ok((file.finish().map_err(failed)?, about))
+    })
 }
 
 /// Writes the same as straight lines to a file.
-fn write_lines(path: &Path, args: &CompileArgs, items: &[Item], machine: &Machine) -> Result<Size, CliError> {
+fn write_lines(
+    path: &Path,
+    args: &CompileArgs,
+    about: &About,
+    items: Items,
+    machine: &Machine,
+) -> Result<Size, CliError> {
     let (program, code) = (&args.input.program, args.out.display());
-    let no_lines = |error: NoLines| {
-        let remedy = format!("leave --g1 out; {code} is written and says all of it");
-        CliError::file(program, format!("{error}: {remedy}"))
-    };
-    // What cannot be said leaves no file behind.
-    g1::write(items, machine, &mut |_| {}).map_err(no_lines)?;
-    let mut file = BufWriter::new(File::create(path).map_err(|error| CliError::file(path, error))?);
-    let mut wrote = Ok(());
-    let mut put = |line: &str| {
-        if wrote.is_ok() {
-            wrote = writeln!(file, "{line}");
-        }
-    };
-    let name = program.file_name().unwrap_or_default().to_string_lossy();
-    g1::header(items, machine, &name).iter().for_each(|line| put(line));
-    let size = g1::write(items, machine, &mut put).map_err(no_lines)?;
-    wrote.and_then(|()| file.flush()).map_err(|error| CliError::file(path, error))?;
-    Ok(size)
+    written::by_parts(path, |file| {
+        let mut file = BufWriter::new(file);
+        let mut wrote = Ok(());
+        let mut put = |line: &str| {
+            if wrote.is_ok() {
+                wrote = writeln!(file, "{line}");
+            }
+        };
+        let name = program.file_name().unwrap_or_default().to_string_lossy();
+        about.header(machine, &name).iter().for_each(|line| put(line));
+        // What cannot be said leaves no file behind.
+        let size = g1::write(about, items, machine, &mut put).map_err(|error: NoLines| {
+            let remedy = format!("leave --g1 out; {code} is written and says all of it");
+            CliError::file(program, format!("{error}: {remedy}"))
+        })?;
+        wrote.and_then(|()| file.flush()).map_err(|error| CliError::file(path, error))?;
+        Ok(size)
+    })
 }
 
 /// How large machine code is against straight lines.

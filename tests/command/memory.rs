@@ -1,17 +1,18 @@
-//! Ten thousand short moves: no process of the control takes more and more memory.
+//! Ten thousand short moves: no process of the control takes more and more memory, and the length of a program is
+//! not felt where it is compiled, nor where it is read as machine code.
 
 use std::{collections::BTreeMap, fmt::Write as _, fs};
 
-use crate::shop::{Answer, Place, children, until, wait_s};
+use crate::shop::{Answer, Place, children, peak_kb, until, wait_s};
 use rig::observe::{Outcome, Summary};
 
 const MOVES: usize = 10_000;
 const ALLOWED_KIB: u64 = 64;
 
 /// There and back again by a hundredth of a millimetre.
-fn short_moves() -> String {
+fn short_moves(moves: usize) -> String {
     let mut program = String::from("G18 G21 G90 G94 G8\nG0 X50 Z90\n");
-    for n in 0..MOVES {
+    for n in 0..moves {
         let _ = writeln!(program, "G1 X{} F3000", if n % 2 == 0 { 50.01 } else { 50.0 });
     }
     program.push_str("M2\n");
@@ -44,7 +45,7 @@ impl Memory {
 #[test]
 fn ten_thousand_moves_take_no_more_memory_than_the_first_quarter() {
     let place = Place::new();
-    let program = place.write("short.ngc", short_moves());
+    let program = place.write("short.ngc", short_moves(MOVES));
     let mut launcher = place.start(&program);
     until("the machine runs", || place.at("run/trace.mcap").exists());
     let mut samples: BTreeMap<String, Vec<Memory>> = BTreeMap::new();
@@ -66,5 +67,23 @@ fn ten_thousand_moves_take_no_more_memory_than_the_first_quarter() {
         let (quarter, last) = (samples[samples.len() / 4], samples[samples.len() - 2]);
         assert_eq!(last.mapped_kib, quarter.mapped_kib, "{name}: {quarter:?} {last:?}");
         assert!(last.own_kib <= quarter.own_kib + ALLOWED_KIB, "{name}: {quarter:?} {last:?}");
+    }
+}
+
+/// Thirty times as many items, of which each takes half a kilobyte in memory and more.
+#[test]
+fn a_program_is_compiled_and_checked_item_by_item() {
+    let place = Place::new();
+    let peaks = [2_000, 60_000].map(|moves| {
+        place.write("moves.ngc", short_moves(moves));
+        ["compile moves.ngc -o moves.mc", "check moves.mc"].map(|line| {
+            let (answer, kb) = peak_kb(place.pitchlock().args(line.split(' ')));
+            assert_eq!(answer.status, Some(0), "{line}: {}", answer.stderr);
+            kb
+        })
+    });
+    let [short, long] = peaks;
+    for (short, long) in short.into_iter().zip(long) {
+        assert!(short > 0 && long < short + 6_000, "{short} kB, and {long} kB for a long program");
     }
 }

@@ -3,7 +3,7 @@
 
 use std::{
     fs,
-    path::{Path, PathBuf},
+    path::Path,
     process::{Command, Stdio},
 };
 
@@ -158,21 +158,6 @@ fn machine_code_with_very_many_tools_is_refused() {
     assert!(answer.stderr.contains("cut it in several programs"), "{}", answer.stderr);
 }
 
-/// Memory of a child that ends, kB.
-fn peak_kb(command: &mut Command) -> (Answer, u64) {
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
-    let status = PathBuf::from(format!("/proc/{}/status", child.id()));
-    let mut peak = 0;
-    while child.try_wait().expect("it was started here").is_none() {
-        let text = fs::read_to_string(&status).unwrap_or_default();
-        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("0");
-        let kb = line.trim().trim_end_matches("kB").trim().parse().unwrap_or(0);
-        peak = peak.max(kb);
-        crate::shop::wait_s(0.002);
-    }
-    (Answer::from(child.wait_with_output().expect("it was started here")), peak)
-}
-
 /// A compressed trace whose one record says to have gigabytes, and has them: all zeros.
 #[test]
 fn a_trace_that_unpacks_to_very_much_is_refused() {
@@ -188,7 +173,7 @@ fn a_trace_that_unpacks_to_very_much_is_refused() {
     let without: Vec<&str> = text.lines().filter(|line| !line.contains("\"trace_file_hash\"")).collect();
     assert_ne!(without.len(), text.lines().count(), "it has one");
     fs::write(&summary, without.join("\n")).expect("room");
-    let (answer, kb) = peak_kb(place.pitchlock().args(["report", "run"]));
+    let (answer, kb) = crate::shop::peak_kb(place.pitchlock().args(["report", "run"]));
     assert_eq!(answer.status, Some(0), "{}", answer.stderr);
     let page = fs::read_to_string(place.at("run/report.html")).expect("a page");
     assert!(page.contains("The trace ends early"), "it is said");

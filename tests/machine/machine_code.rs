@@ -48,6 +48,8 @@ fn arcs_and_pauses_are_the_same_over_processes_and_in_one() {
     let program = program(&place);
     let inside = place.run_inside(&program, None);
     let over_processes = place.run(&program, "processes", &["--trace", "none"]);
+    let page = std::fs::read_to_string(place.at("processes/report.html")).unwrap();
+    assert!(page.contains("corner.mc") && !page.contains("<h2>The program</h2>"), "machine code is no text");
     for summary in [&inside, &over_processes] {
         assert_eq!((summary.outcome, summary.moves.count), (Outcome::Completed, 4));
         assert_eq!((summary.pauses.len(), summary.pauses[0].line), (1, 5));

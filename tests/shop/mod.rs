@@ -244,3 +244,18 @@ pub fn private(place: &Place, script: &str) -> Command {
     command.current_dir(place.path()).env("TMPDIR", place.path()).stdin(Stdio::null());
     command
 }
+
+/// Memory of a child that ends, kB.
+pub fn peak_kb(command: &mut Command) -> (Answer, u64) {
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let status = PathBuf::from(format!("/proc/{}/status", child.id()));
+    let mut peak = 0;
+    while child.try_wait().expect("it was started here").is_none() {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("0");
+        let kb = line.trim().trim_end_matches("kB").trim().parse().unwrap_or(0);
+        peak = peak.max(kb);
+        wait_s(0.002);
+    }
+    (Answer::from(child.wait_with_output().expect("it was started here")), peak)
+}

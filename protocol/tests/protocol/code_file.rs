@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use protocol::{
     Arc, Axis, AxisLaw, ByHand, Code, Curve, Feed, Item, PathMode, PerAxis, Plane, Position, Refused, Set,
     Shape, SpindleMode, SpindleSpeed, ThreadPass, Until, Variation, VariationShape, Work,
-    code_file::{CodeFile, CodeFileError, CodeReader, Identity, VERSION},
+    code_file::{CodeFile, CodeFileError, CodeReader, CodeWriter, Identity, VERSION},
 };
 use shape::{
     Branch, Contour, Correction, Formula, Function, Op, Pattern, Seam, SeamCurve, Side, Surface, Tool,
@@ -261,6 +261,23 @@ fn hostile_lengths_take_no_memory() {
     assert!(matches!(read(&with_head(&huge)), Err(CodeFileError::Content(_))));
     let items = [&[0; 18][..], &huge].concat();
     assert!(matches!(read(&with_head(&items)), Err(CodeFileError::Content(_))));
+}
+
+#[test]
+fn a_file_is_none_before_all_that_was_said_is_there() {
+    let item = Item { line: 1, code: Code::Pause };
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut writer = CodeWriter::new(&mut bytes, "part.ngc", &lathe(), 2).unwrap();
+    writer.put(&item).unwrap();
+    let error = writer.finish().unwrap_err();
+    assert!(matches!(error, CodeFileError::Recounted { said: 2, given: 1 }), "{error}");
+    assert!(matches!(read(bytes.get_ref()), Err(CodeFileError::Foreign)));
+
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut writer = CodeWriter::new(&mut bytes, "part.ngc", &lathe(), 1).unwrap();
+    writer.put(&item).unwrap();
+    let error = writer.put(&item).unwrap_err();
+    assert!(matches!(error, CodeFileError::Recounted { said: 1, given: 2 }), "{error}");
 }
 
 #[test]

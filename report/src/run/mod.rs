@@ -30,6 +30,7 @@ mod verdict;
 use std::path::{Path, PathBuf};
 
 use maud::Markup;
+use protocol::code_file::CodeFile;
 use rig::observe::{Summary, SummaryError};
 use rig::trace;
 
@@ -93,7 +94,9 @@ pub fn render(run_dir: &Path) -> Result<PathBuf, ReportError> {
         intake::open(&path).map_err(refused)?;
     }
     let program = Path::new(&summary.program).file_name().map(|name| run_dir.join(name));
+    // Machine code is nothing to read.
     let program = program
+        .filter(|path| !CodeFile::is_named(path))
         .and_then(|path| intake::bytes(&path, intake::SHOWN).ok())
         .map(|bytes| gcode::readable(&bytes));
     let drawn = draw(run_dir, &summary, program.as_deref());

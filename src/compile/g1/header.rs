@@ -1,49 +1,91 @@
-//! What straight lines were made from, as comments. In: items, the machine they are for, the name of their
-//! program. Out: lines that begin with `; `.
+//! What straight lines are made from, which has to be known before the first of them. In: items, one by one; the
+//! machine they are for, the name of their program. Out: where their zero lies; lines that begin with `; `.
 
 use machine::{Kinematics, Machine};
-use protocol::{Code, FORMULAS, Item, Shape, Work};
+use protocol::{Axis, Code, FORMULAS, Item, PerAxis, Position, Shape, Work};
 use shape::{Formula, Op};
 
 /// Most lines that say what was traced.
 const MOST: usize = 40;
 
-/// What stands above the lines of `items`: what they were made from, for which machine, and what they change
-/// there. `program` is the name of the program, without its folder.
-pub(crate) fn header(items: &[Item], machine: &Machine, program: &str) -> Vec<String> {
-    let mut formulas = [Formula::default(); FORMULAS];
-    let mut traced: Vec<String> = Vec::new();
-    for item in items {
+/// What is known of all items together.
+#[derive(Default)]
+pub(crate) struct About {
+    formulas: [Formula; FORMULAS],
+    /// What was traced, in words.
+    traced: Vec<String>,
+    seams: bool,
+    /// Machine position of the zero of the first trace.
+    pub(super) zero: PerAxis<Position>,
+}
+
+impl About {
+    /// The next item.
+    pub(crate) fn item(&mut self, item: &Item) {
         match &item.code {
             Code::Formula { slot, formula } => {
-                if let Some(place) = formulas.get_mut(usize::from(*slot)) {
+                if let Some(place) = self.formulas.get_mut(usize::from(*slot)) {
                     *place = *formula;
                 }
             }
             Code::Work(trace) => {
-                let text = work(trace, &formulas);
+                if self.traced.is_empty() {
+                    self.zero = zero(trace);
+                }
+                self.seams |= matches!(trace.shape, Shape::Seam(_));
+                let text = work(trace, &self.formulas);
                 // The segments of a seam say the same.
-                if !traced.contains(&text) {
-                    traced.push(text);
+                if !self.traced.contains(&text) {
+                    self.traced.push(text);
                 }
             }
             _ => {}
         }
     }
-    if traced.len() > MOST {
-        let more = traced.len() - MOST;
-        traced.truncate(MOST);
-        traced.push(format!("and {more} more"));
+
+    /// Whether they follow formulas.
+    pub(crate) fn works(&self) -> bool {
+        !self.traced.is_empty()
     }
-    let made = format!("straight lines of {program}, made by pitchlock compile --g1");
-    let on = format!("for machine {}; from where its axes rest at home", machine.general.name);
-    let zero =
-        "overwrites the zero of G54: the line with G10 L2 P1; take it away where G54 is set".to_owned();
-    let timed = "each line along a seam has the time it takes (G93)";
-    let seam = machine.general.kinematics == Kinematics::Positioner && !traced.is_empty();
-    let timed = seam.then(|| timed.to_owned());
-    let lines = [made, on].into_iter().chain(traced).chain([zero]).chain(timed);
-    lines.flat_map(|line| comments(&line)).collect()
+
+    /// Whether some of that are seams.
+    pub(crate) fn seams(&self) -> bool {
+        self.seams
+    }
+
+    /// What stands above the lines: what they were made from, for which machine, and what they change there.
+    /// `program` is the name of the program, without its folder.
+    pub(crate) fn header(&self, machine: &Machine, program: &str) -> Vec<String> {
+        let mut traced = self.traced.clone();
+        if traced.len() > MOST {
+            let more = traced.len() - MOST;
+            traced.truncate(MOST);
+            traced.push(format!("and {more} more"));
+        }
+        let made = format!("straight lines of {program}, made by pitchlock compile --g1");
+        let on = format!("for machine {}; from where its axes rest at home", machine.general.name);
+        let zero =
+            "overwrites the zero of G54: the line with G10 L2 P1; take it away where G54 is set".to_owned();
+        let timed = "each line along a seam has the time it takes (G93)";
+        let seam = machine.general.kinematics == Kinematics::Positioner && !traced.is_empty();
+        let timed = seam.then(|| timed.to_owned());
+        let lines = [made, on].into_iter().chain(traced).chain([zero]).chain(timed);
+        lines.flat_map(|line| comments(&line)).collect()
+    }
+}
+
+/// Machine position of the zero of a trace.
+fn zero(trace: &Work) -> PerAxis<Position> {
+    let mut zero = PerAxis::default();
+    let axes: &[Axis] = match &trace.shape {
+        Shape::Seam(_) => &[],
+        Shape::Contour(_, axes) => axes,
+        Shape::Surface(_) => &[Axis::X, Axis::Y, Axis::Z],
+    };
+    for (axis, origin) in axes.iter().zip(trace.origin) {
+        zero[axis.index()] = origin;
+    }
+    zero
 }
 
 /// A trace in words and figures.

@@ -23,7 +23,7 @@ use route::{Advance, Course, Move, Route, Routed, positioner::geometry};
 use shape::Formula;
 
 use chords::{Chords, Measure, Piece};
-pub(super) use header::header;
+pub(super) use header::About;
 use write::Lines;
 
 /// Share of a chord error that chords take.
@@ -40,50 +40,46 @@ pub(crate) struct Size {
     pub(crate) blocks: u64,
 }
 
-/// Why there is no program of lines, and the line of the part program.
+/// Why there is no program of lines.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {reason}")]
-pub(crate) struct NoLines {
-    /// Line of the part program.
-    pub(crate) line: u32,
-    /// Why.
-    pub(crate) reason: String,
+pub(crate) enum NoLines {
+    /// They cannot say what stands there.
+    #[error("line {line}: {reason}")]
+    Unsaid {
+        /// Line of the part program.
+        line: u32,
+        /// Why.
+        reason: String,
+    },
+    /// The program has changed meanwhile.
+    #[error("{0}")]
+    Unread(String),
 }
 
-/// Says `items` in straight lines; each line goes to `line`, without its end.
+/// Says items in straight lines; each line goes to `line`, without its end. What all of them are about goes
+/// before.
 ///
 /// # Errors
-/// [`NoLines`]: threads have none, nor has a trace that cannot be followed.
-pub(crate) fn write(items: &[Item], machine: &Machine, line: &mut dyn FnMut(&str)) -> Result<Size, NoLines> {
+/// [`NoLines`]: threads have none, nor has a trace that cannot be followed, nor what cannot be read any more.
+pub(crate) fn write(
+    about: &About,
+    items: impl IntoIterator<Item = Result<Item, String>>,
+    machine: &Machine,
+    line: &mut dyn FnMut(&str),
+) -> Result<Size, NoLines> {
     let mut program = Program {
         machine,
         route: Route::new(machine),
         formulas: [Formula::default(); FORMULAS],
-        lines: Lines::new(zero(items), machine.axes().map(|(axis, _)| axis).collect(), line),
+        lines: Lines::new(about.zero, machine.axes().map(|(axis, _)| axis).collect(), line),
         at: machine.home(),
         mode: PathMode::within(machine.path.tolerance_mm),
     };
     program.lines.begin(machine.general.kinematics, program.mode);
     for item in items {
-        program.item(item)?;
+        program.item(&item.map_err(NoLines::Unread)?)?;
     }
     Ok(program.lines.size)
-}
-
-/// Machine position of the zero of the first trace.
-fn zero(items: &[Item]) -> PerAxis<Position> {
-    let mut zero = PerAxis::default();
-    let first =
-        items.iter().find_map(|item| if let Code::Work(trace) = &item.code { Some(trace) } else { None });
-    let axes: &[Axis] = match first.map(|trace| &trace.shape) {
-        None | Some(Shape::Seam(_)) => &[],
-        Some(Shape::Contour(_, axes)) => axes,
-        Some(Shape::Surface(_)) => &[Axis::X, Axis::Y, Axis::Z],
-    };
-    for (axis, origin) in axes.iter().zip(first.iter().flat_map(|trace| trace.origin)) {
-        zero[axis.index()] = origin;
-    }
-    zero
 }
 
 struct Program<'a> {
@@ -98,7 +94,7 @@ struct Program<'a> {
 
 impl Program<'_> {
     fn item(&mut self, item: &Item) -> Result<(), NoLines> {
-        let refuse = |reason: String| NoLines { line: item.line, reason };
+        let refuse = |reason: String| NoLines::Unsaid { line: item.line, reason };
         match &item.code {
             Code::Line { .. } | Code::Arc { .. } | Code::Curve { .. } => self.travel(item).map_err(refuse)?,
             Code::Work(trace) => self.trace(item.line, trace).map_err(refuse)?,

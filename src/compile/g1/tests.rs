@@ -29,9 +29,22 @@ fn example(name: &str, machine: &Machine) -> Vec<Item> {
 
 fn lines(items: &[Item], machine: &Machine) -> (Vec<String>, super::Size) {
     let mut lines = Vec::new();
-    let size = super::write(items, machine, &mut |line| lines.push(line.to_owned()))
-        .expect("it can be said in lines");
-    (lines, size)
+    let size = written(items, machine, &mut |line| lines.push(line.to_owned()));
+    (lines, size.expect("it can be said in lines"))
+}
+
+fn written(
+    items: &[Item],
+    machine: &Machine,
+    line: &mut dyn FnMut(&str),
+) -> Result<super::Size, super::NoLines> {
+    super::write(&about(items), items.iter().copied().map(Ok), machine, line)
+}
+
+fn about(items: &[Item]) -> super::About {
+    let mut about = super::About::default();
+    items.iter().for_each(|item| about.item(item));
+    about
 }
 
 fn trace(items: &[Item]) -> Work {
@@ -250,7 +263,7 @@ fn a_formula_is_told_as_people_write_it() {
              ;@ path = {{ pattern = \"lines\", step_mm = 0.5 }}\nM2\n"
         );
         let items = items(&program, &machine);
-        let told = super::header(&items, &machine, "job.ngc").join("\n");
+        let told = about(&items).header(&machine, "job.ngc").join("\n");
         let (_, formula) = told.split_once("z = ").expect("it is a surface");
         (formula.split(", tool").next().unwrap_or_default().to_owned(), formulas(&items)[0])
     };
@@ -276,8 +289,8 @@ fn a_formula_is_told_as_people_write_it() {
 fn a_thread_is_refused_with_its_line() {
     let machine = Machine::default();
     let thread = items("G21 G90 G18 G8\nS500 M3\nG0 X11 Z5\nG33 Z-20 K1\nM2\n", &machine);
-    let error = super::write(&thread, &machine, &mut |_| {}).expect_err("a thread follows the spindle");
-    assert_eq!((error.line, error.reason.as_str()), (4, "a pass of a thread is not said in lines"));
+    let error = written(&thread, &machine, &mut |_| {}).expect_err("a thread follows the spindle");
+    assert_eq!(error.to_string(), "line 4: a pass of a thread is not said in lines");
 }
 
 #[test]
