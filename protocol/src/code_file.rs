@@ -27,7 +27,7 @@ use crate::{checksum::Crc, code::Item, refused::Refused};
 /// What a file begins with.
 pub const MAGIC: [u8; 4] = *b"PLMC";
 /// Version of the format. Any change of [`CodeFile`] or of what it holds makes a new one.
-pub const VERSION: u16 = 13;
+pub const VERSION: u16 = 14;
 /// Longest content that is read, bytes: a program of some ten million moves.
 pub const LONGEST: u64 = 1 << 30;
 

@@ -79,6 +79,7 @@ impl Work {
             Shape::Seam(seam) => {
                 range(&seam.t, "domain of a seam")?;
                 finite(seam.idle_beta_deg, "seam")?;
+                all_finite(seam.moved.as_ref().map_or(&[], |moved| &moved[..]))?;
                 match &seam.curve {
                     SeamCurve::Formulas => Ok(()),
                     SeamCurve::Polynomials(coefficients) => all_finite(coefficients.as_flattened()),

@@ -153,7 +153,7 @@ fn items() -> [Vec<Item>; 2] {
     let tool = Tool { radius_mm: 3.0, corner_mm: 1.0 };
     let surface_of_lines = Surface { x: [0.0, 100.0], y: [-40.0, 40.0], tool, pattern, clear_mm: 25.0 };
     let curve = SeamCurve::Polynomials([[0.5; 8]; 6]);
-    let seam = Seam { curve, t: [0.0, 6.25], branch: Branch::Positive, idle_beta_deg: 0.0 };
+    let seam = Seam { curve, t: [0.0, 6.25], branch: Branch::Positive, idle_beta_deg: 0.0, moved: None };
     let work = |work: Shape| {
         let (origin, correction) = ([Position(7); 3], Correction::Exact);
         Code::Work(Work { shape: work, origin, feed_mm_min: 1500.0, chord_mm: 0.002, correction })

@@ -102,7 +102,13 @@ fn any_trace() -> impl Strategy<Value = Work> {
     });
     let seam = prop::array::uniform6(prop::array::uniform8(-1e6..1e6)).prop_map(|coefficients| {
         let curve = SeamCurve::Polynomials(coefficients);
-        Shape::Seam(Seam { curve, t: [0.0, 1.0], branch: Branch::Positive, idle_beta_deg: -720.0 })
+        Shape::Seam(Seam {
+            curve,
+            t: [0.0, 1.0],
+            branch: Branch::Positive,
+            idle_beta_deg: -720.0,
+            moved: None,
+        })
     });
     let origin = prop::array::uniform3(any::<i64>().prop_map(Position));
     (prop_oneof![contour, surface, seam], origin, 1e-3..1e5, 1e-6..1.0).prop_map(

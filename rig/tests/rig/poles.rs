@@ -11,10 +11,10 @@ use rig::observe::{Observation, Outcome};
 
 use crate::stand::Stand;
 
-/// A seam along X, mm, whose direction leans by 0.02 x along it and by `beside` across.
-fn items(machine: &Machine, [from, to]: [f64; 2], beside: f64, branch: &str) -> Vec<Item> {
+/// A seam along X, mm, whose direction leans by 0.02 x along it and by `beside` across; and another key.
+fn items(machine: &Machine, [from, to]: [f64; 2], beside: f64, key: &str) -> Vec<Item> {
     let text = format!(
-        "kind = \"seam\"\nfeed_mm_min = 300\nbranch = \"{branch}\"\nx = \"t\"\ny = \"0\"\nz = \"20\"\n\
+        "kind = \"seam\"\nfeed_mm_min = 300\n{key}\nx = \"t\"\ny = \"0\"\nz = \"20\"\n\
          direction = [\"0.02*t\", \"{beside:e}\", \"1\"]\nt = [{from}, {to}]\n"
     );
     let check = check_job("seam.toml", &text, machine);
@@ -63,7 +63,7 @@ fn run(machine: &Machine, items: &[Item]) -> (Observation, Turned) {
 fn follows(t: [f64; 2], beside: f64, branch: &str, demanded: [f64; 2]) -> f64 {
     let machine = Machine::from_toml(machine::POSITIONER).unwrap();
     let what = format!("{t:?}, {beside} beside, {branch}");
-    let (seen, turned) = run(&machine, &items(&machine, t, beside, branch));
+    let (seen, turned) = run(&machine, &items(&machine, t, beside, &format!("branch = \"{branch}\"")));
     assert_eq!(seen.outcome, Outcome::Completed, "{what}: {:?}", seen.faults);
     assert_eq!((seen.moves.limit_violations, seen.moves.starved), (0, 0), "{what}");
     let [trace] = &seen.traces[..] else { panic!("{what}: one trace") };
@@ -106,4 +106,20 @@ fn past_the_pole_at_a_tenth_of_a_degree_the_turn_takes_its_time() {
     let turns = 2.0 * (0.4 / beside).atan().to_degrees();
     let step = follows([-20.0, 20.0], beside, "negative", [tilts, turns]);
     assert!(step > 0.02 && step < 0.0301, "{step} degrees in a cycle");
+}
+
+/// At 0.5° with a direction that may be off by as much: C stands, the beam is on the seam, and the direction off by
+/// no more than that.
+#[test]
+fn past_the_pole_within_a_tolerance_only_the_tilt_turns() {
+    let machine = Machine::from_toml(machine::POSITIONER).unwrap();
+    let beside = 0.5_f64.to_radians().tan();
+    let (seen, turned) =
+        run(&machine, &items(&machine, [-20.0, 20.0], beside, "direction_tolerance_deg = 0.51"));
+    assert_eq!((seen.outcome, seen.moves.limit_violations), (Outcome::Completed, 0), "{:?}", seen.faults);
+    let [trace] = &seen.traces[..] else { panic!("one trace") };
+    assert!(trace.commanded.max_abs_um() <= 0.001, "{:?}", trace.commanded);
+    assert!((trace.commanded.angle_max_deg - 0.5).abs() < 1e-4, "{:?}", trace.commanded);
+    assert!((turned.way[0] - 2.0 * lean(20.0, 0.0)).abs() < 0.01, "A by {:?}", turned.way);
+    assert!(turned.way[1] < 0.001, "C by {:?}", turned.way);
 }

@@ -332,7 +332,7 @@ fn halves() -> (Machine, Vec<Item>) {
     (coefficients[0][1], coefficients[2][0]) = (1.0, 20.0);
     (coefficients[3][0], coefficients[4][1], coefficients[5][0]) = (0.2, 0.01, 1.0);
     let curve = SeamCurve::Polynomials(coefficients);
-    let half = |t| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: 0.0 };
+    let half = |t| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: 0.0, moved: None };
     let positioner = machine.positioner.as_ref().unwrap();
     let first = half([-20.0, 0.0]);
     let start = first.on(&[], geometry(positioner), positioner.beam_mm).at(-20.0).axes;

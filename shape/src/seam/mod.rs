@@ -8,10 +8,12 @@
 //! | ρ | mm | distance from that axis |
 //! | e(t) | – | unit vector across the axis of the first surface, at the angle t |
 //! | n₁, n₂ | – | outward unit normals; θ the angle between them, σ the share of it |
+//! | c | – | by what a direction is moved so that it goes through ±Z |
 //!
 //! ```text
 //! p = at + r e(t) + h (axis + k e(t)),   F(p) = c0 + c1 h₂ + c2 h₂² + c3 ρ₂² = 0:  A h² + B h + C = 0  (M92)
 //! h = 2C/(−B ∓ √(B² − 4AC)) = (−B ± √…)/2A,   l = sin((1 − σ)θ) n₁ + sin(σθ) n₂
+//! l′ = (lx − cx lz, ly − cy lz, lz), off by 2 atan(|c|/2) at most: where (lx, ly) = c lz, it is ±Z       (M239)
 //! ```
 //! The first form serves where A = 0, too: a plane, or a generator along an asymptote. Axes by M49; `lean`
 //! has their angles.
@@ -104,6 +106,8 @@ pub struct Seam {
     pub branch: Branch,
     /// β where the direction is ±Z all along the seam and any would do, degrees.
     pub idle_beta_deg: f64,
+    /// c of M239: with it the axes follow a direction that goes through ±Z where that of the curve passes closely.
+    pub moved: Option<[f64; 2]>,
 }
 
 /// A seam on its positioner, as a [`Curve`] of the parameter of the seam. Axes: x, y, α, β. Its tip is the
@@ -126,7 +130,14 @@ impl Seam {
 }
 
 impl SeamPath<'_> {
-    /// Point and direction at t, in the frame of the work-holder.
+    /// Point and direction at t that the axes follow: the direction is that of the curve, moved if it shall be.
+    fn followed(&self, t: f64) -> [Vector; 2] {
+        let [point, direction @ [x, y, z]] = self.place(t);
+        let moved = self.seam.moved.map(|[cx, cy]| [x - z * cx, y - z * cy, z]);
+        [point, moved.unwrap_or(direction)]
+    }
+
+    /// Point and direction of the curve at t, in the frame of the work-holder.
     #[must_use]
     pub fn place(&self, t: f64) -> [[Series; 3]; 2] {
         let t = Series::variable(t);
@@ -152,7 +163,7 @@ impl SeamPath<'_> {
         let fourth = || {
             // Into the seam: beyond its ends a formula need not have a value.
             let eta = BESIDE * (to - from) * if (t - from).abs() < (to - t).abs() { 1.0 } else { -1.0 };
-            let [_, beside] = self.place(t + eta);
+            let [_, beside] = self.followed(t + eta);
             [0, 1].map(|i| lean::fourth(direction[i], beside[i], eta))
         };
         Lean::of(*direction, (to - from).signum(), self.seam.idle_beta_deg.to_radians(), fourth)
@@ -176,7 +187,7 @@ impl SeamPath<'_> {
     /// The branch on which the axes go on at t from where they are: X, Y, A, C in mm and degrees.
     #[must_use]
     pub fn branch_near(&self, t: f64, [_, _, alpha, beta]: &[f64; 4]) -> Branch {
-        let [_, direction] = self.place(t);
+        let [_, direction] = self.followed(t);
         self.lean(t, &direction).branch_near([*alpha, *beta])
     }
 }
@@ -184,7 +195,7 @@ impl SeamPath<'_> {
 impl Curve<4> for SeamPath<'_> {
     /// On the branch of the seam, both angles within ±180°.
     fn at(&self, t: f64) -> Point<4> {
-        let [point, direction] = self.place(t);
+        let [point, direction] = self.followed(t);
         let angles = self.lean(t, &direction).angles(self.seam.branch);
         Point { axes: self.axes(point, &angles), tip: point }
     }
@@ -192,7 +203,7 @@ impl Curve<4> for SeamPath<'_> {
     /// At the start on the branch of the seam, behind it on that which is nearest, so α goes through 0 with
     /// the direction; angles by the turns that are nearest.
     fn near(&self, t: f64, here: &[f64; 4]) -> Point<4> {
-        let [point, direction] = self.place(t);
+        let [point, direction] = self.followed(t);
         let lean = self.lean(t, &direction);
         let [_, _, alpha, beta] = *here;
         let starts = t == self.seam.t[0];

@@ -31,7 +31,7 @@ fn pipes() -> Meeting {
 }
 
 fn seam(curve: SeamCurve, branch: Branch) -> Seam {
-    Seam { curve, t: [0.0, TAU], branch, idle_beta_deg: 33.0 }
+    Seam { curve, t: [0.0, TAU], branch, idle_beta_deg: 33.0, moved: None }
 }
 
 /// Every derivative of every axis and of the tip against central differences of the one below.

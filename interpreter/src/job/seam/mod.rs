@@ -6,10 +6,12 @@
 //! | `meeting` | two surfaces | where they meet |
 //! | `spline` | points | polynomials through them |
 //! | `travel` | seams | the solution that lies within the travel, and its figures |
+//! | `upright` | seams that pass the turn axis closely | the same, with a direction that goes through it |
 
 mod meeting;
 mod spline;
 mod travel;
+mod upright;
 
 use machine::POSITIONER_AXES;
 use protocol::{Feed, Position, Shape, Work};
@@ -19,7 +21,10 @@ use shape::{Branch, Correction, Formula, Op, Seam, SeamCurve};
 use super::row::Row;
 use super::{Fault, Job, Move, Planned, formula, parameter, within};
 use meeting::{Crossing, SurfaceKeys};
+use travel::Asked;
 
+/// Farthest a direction may be off.
+const MOST_TOLERANCE_DEG: f64 = 5.0;
 /// Most points of a seam.
 const MOST_POINTS: usize = 2000;
 
@@ -50,6 +55,8 @@ pub(super) struct Keys {
     points: Option<Vec<Row<f64, 6>>>,
     /// Tilt; without it the solution that is nearest.
     branch: Option<Branch>,
+    /// How far the direction may be off where that lets C stand.
+    direction_tolerance_deg: Option<f64>,
 }
 
 /// What a seam runs along, before it is known how the axes go.
@@ -73,9 +80,12 @@ pub(super) fn plan(keys: Keys, job: &Job) -> Result<Planned, Fault> {
     let seams: Vec<Seam> = course
         .curves
         .into_iter()
-        .map(|(curve, t)| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: rest[3] })
+        .map(|(curve, t)| Seam { curve, t, branch: Branch::Negative, idle_beta_deg: rest[3], moved: None })
         .collect();
-    let found = travel::nearest(job, &seams, &course.formulas, keys.branch, rest).map_err(|fault| {
+    let tolerance_deg = keys.direction_tolerance_deg.unwrap_or(0.0);
+    within("direction_tolerance_deg", tolerance_deg, [0.0, MOST_TOLERANCE_DEG], "deg")?;
+    let asked = Asked { branch: keys.branch, rest, tolerance_deg };
+    let found = upright::best(job, &seams, &course.formulas, &asked).map_err(|fault| {
         if fault.key.is_empty() { Fault { key: whole(&keys, job), ..fault } } else { fault }
     })?;
 

@@ -33,8 +33,20 @@ pub(super) struct Travelled {
     pub(super) warning: Option<Fault>,
     bounds: [[f64; 2]; 4],
     length_mm: f64,
+    /// By what its direction is off, in words.
+    pub(super) moved: Option<String>,
     /// The feed that the rotary axes allow at the least, mm/s, that axis, and the place in words.
-    slowest: (f64, Axis, String),
+    pub(super) slowest: (f64, Axis, String),
+}
+
+/// What is asked of a solution.
+pub(super) struct Asked {
+    /// Which it shall be.
+    pub(super) branch: Option<Branch>,
+    /// Where the axes rest: X, Y, A, C in mm and degrees.
+    pub(super) rest: [f64; 4],
+    /// How far the direction may be off.
+    pub(super) tolerance_deg: f64,
 }
 
 /// The solution that is nearest, of those within the travel.
@@ -46,9 +58,9 @@ pub(super) fn nearest(
     job: &Job,
     seams: &[Seam],
     formulas: &[Formula],
-    branch: Option<Branch>,
-    rest: [f64; 4],
+    asked: &Asked,
 ) -> Result<Travelled, Fault> {
+    let Asked { branch, rest, .. } = *asked;
     let mut best: Option<(f64, Travelled)> = None;
     let mut refused = None;
     for candidate in Branch::BOTH.into_iter().filter(|one| branch.is_none_or(|wanted| wanted == *one)) {
@@ -90,6 +102,7 @@ fn walked(
         warning: None,
         bounds: [[f64::INFINITY, f64::NEG_INFINITY]; 4],
         length_mm: 0.0,
+        moved: None,
         slowest: (f64::INFINITY, Axis::C, String::new()),
     };
     let mut pieces = 0;
@@ -132,12 +145,12 @@ fn walked(
 }
 
 /// A seam on the positioner.
-fn on<'a>(seam: &'a Seam, formulas: &'a [Formula], positioner: &PositionerConfig) -> SeamPath<'a> {
+pub(super) fn on<'a>(seam: &'a Seam, formulas: &'a [Formula], positioner: &PositionerConfig) -> SeamPath<'a> {
     seam.on(formulas, geometry(positioner), positioner.beam_mm)
 }
 
 /// A place of a seam in words.
-fn place(seam: &Seam, index: usize, t: f64) -> String {
+pub(super) fn place(seam: &Seam, index: usize, t: f64) -> String {
     match seam.curve {
         SeamCurve::Formulas => format!("t = {t:.4}"),
         SeamCurve::Meeting(_) => format!("{:.2} deg", t.to_degrees()),
@@ -227,19 +240,20 @@ impl Travelled {
     pub(super) fn facts(&self) -> Vec<(&'static str, String)> {
         let range =
             |i: usize, unit: &str| format!("{:.3} to {:.3} {unit}", self.bounds[i][0], self.bounds[i][1]);
-        vec![
+        let mut facts = vec![
             ("way", format!("{:.3} mm", self.length_mm)),
             ("X", range(0, "mm")),
             ("Y", range(1, "mm")),
             ("A", range(2, "deg")),
             ("C", range(3, "deg")),
-        ]
+        ];
+        facts.extend(self.moved.iter().map(|told| ("direction", told.clone())));
+        facts
     }
 }
 
 /// What to do where a direction is near that of the turn axis.
-const UPRIGHT: &str =
-    "tilt the part on the work-holder, or choose a direction that keeps clear of the turn axis";
+const UPRIGHT: &str = "tilt the part on the work-holder, choose a direction that keeps clear of the turn axis, or let it be off a little (direction_tolerance_deg)";
 
 /// Why the seam cannot be followed.
 fn stopped(seam: &Seam, path: &SeamPath, place: &impl Fn(f64) -> String, error: PieceError) -> Fault {

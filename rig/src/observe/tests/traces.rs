@@ -147,6 +147,7 @@ fn piece() -> Code {
         t: [0.0, 1.0],
         branch: Branch::Negative,
         idle_beta_deg: 0.0,
+        moved: None,
     });
     let origin = [Position(0); 3];
     Code::Work(Work {
