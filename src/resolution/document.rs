@@ -2,7 +2,12 @@
 
 use serde::Serialize;
 
-use super::{Asked, needs::AxisNeeds, verdict::Verdict};
+use super::{
+    Asked,
+    needs::AxisNeeds,
+    unseen::{self, Unseen},
+    verdict::Verdict,
+};
 use crate::error::CliError;
 
 /// Version of the document.
@@ -17,6 +22,7 @@ struct Document {
     tolerance: Tolerance,
     axes: Vec<AxisFound>,
     verdicts: Vec<Answer>,
+    unseen: Vec<UnseenFound>,
 }
 
 #[derive(Serialize)]
@@ -75,6 +81,20 @@ struct Answer {
     remedy: Option<String>,
 }
 
+/// Lost motion or error of a screw.
+#[derive(Serialize)]
+struct UnseenFound {
+    axis: Option<&'static str>,
+    what: &'static str,
+    size: f64,
+    counts: f64,
+    /// How exactly it has to be known.
+    within: f64,
+    unit: &'static str,
+    /// Whether it, and not the count, limits the accuracy.
+    limits: bool,
+}
+
 /// The document, with its end of line.
 pub(super) fn json(asked: &Asked, verdicts: &[Verdict]) -> Result<String, CliError> {
     let parts = &asked.parts;
@@ -90,6 +110,7 @@ pub(super) fn json(asked: &Asked, verdicts: &[Verdict]) -> Result<String, CliErr
         },
         axes: asked.axes.iter().map(|needs| axis(asked, needs)).collect(),
         verdicts: verdicts.iter().map(answer).collect(),
+        unseen: unseen::of(asked).iter().map(behind).collect(),
     };
     let json = serde_json::to_string_pretty(&document);
     json.map(|json| format!("{json}\n")).map_err(|error| CliError::Machine(error.to_string()))
@@ -122,6 +143,18 @@ fn axis(asked: &Asked, needs: &AxisNeeds) -> AxisFound {
         count: needs.encoder.increment_mm(),
         quantities: quantities.into(),
         differences: differences.into(),
+    }
+}
+
+fn behind(unseen: &Unseen) -> UnseenFound {
+    UnseenFound {
+        axis: unseen.needs.axis.as_ref().map(|(axis, _)| axis.name()),
+        what: unseen.cause.name(),
+        size: unseen.size,
+        counts: unseen.size / unseen.needs.encoder.increment_mm(),
+        within: unseen.within(),
+        unit: unseen.needs.unit(),
+        limits: unseen.limits(),
     }
 }
 

@@ -16,6 +16,7 @@ mod needs;
 mod page;
 mod read;
 mod tables;
+mod unseen;
 mod verdict;
 
 use std::{path::PathBuf, process::ExitCode};

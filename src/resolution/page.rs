@@ -27,6 +27,7 @@ pub(super) fn html(again: &str, asked: &Asked, verdicts: &[Verdict]) -> String {
             @for paragraph in PROSE { p { (paragraph) } }
         }
         (table(tables::answers(verdicts)))
+        @if let Some(behind) = tables::behind(asked) { (table(behind)) }
         (table(tables::needed(asked)))
         (table(tables::differences(asked)))
         (pictures(&figures::all(asked), 1))

@@ -3,7 +3,12 @@
 
 use adviser::tolerance::Grade;
 
-use super::{Asked, Source, needs::AxisNeeds, verdict::Verdict};
+use super::{
+    Asked, Source,
+    needs::AxisNeeds,
+    unseen::{self, Unseen},
+    verdict::Verdict,
+};
 use report::table::{Place, Table, six, three};
 
 /// What is said below the first table.
@@ -15,8 +20,10 @@ pub(super) fn text(asked: &Asked, verdicts: &[Verdict]) -> String {
     let lines = |lines: Vec<String>| lines.into_iter().map(|line| line + "\n").collect::<String>();
     let tables = [needed(asked), differences(asked), answers(verdicts)].map(|table| table.text());
     let [needed, differences, answers] = tables;
+    let unseen =
+        behind(asked).map_or(String::new(), |table| format!("\nwhat encoders do not see\n{}", table.text()));
     format!(
-        "{}\n{needed}\n{BY_DIFFERENCES}\n\nwhat differences of counts err by\n{differences}\n{answers}\n{}",
+        "{}\n{needed}\n{BY_DIFFERENCES}\n\nwhat differences of counts err by\n{differences}\n{answers}{unseen}\n{}",
         lines(head(asked)),
         lines(sentences(asked, verdicts))
     )
@@ -145,6 +152,36 @@ pub(super) fn answers(verdicts: &[Verdict]) -> Table {
     }
 }
 
+/// What encoders do not see; none where nothing is told of it.
+pub(super) fn behind(asked: &Asked) -> Option<Table> {
+    let row = |unseen: &Unseen| {
+        let unit = unseen.needs.unit();
+        vec![
+            unseen.needs.name(),
+            unseen.cause.name().into(),
+            format!("{} {unit}", three(unseen.size)),
+            three(unseen.size / unseen.needs.encoder.increment_mm()),
+            format!("{} {unit}", three(unseen.within())),
+        ]
+    };
+    let rows: Vec<_> = unseen::of(asked).iter().map(row).collect();
+    (!rows.is_empty()).then(|| Table {
+        title: "What encoders do not see".into(),
+        caption: "Lost motion and error of the screw lie behind the encoder. As far as the machine file is right about \
+                  them they are taken off (M68): a part gets what it is wrong by, which may be a step of position (M30)."
+            .into(),
+        head: columns([
+            ["axis", ""],
+            ["what", ""],
+            ["is, by the machine file", ""],
+            ["counts", ""],
+            ["to be known within", ""],
+        ]),
+        rows,
+        place: Place::Everywhere,
+    })
+}
+
 /// The verdict in words: what to change, or how much finer it might be.
 pub(super) fn sentences(asked: &Asked, verdicts: &[Verdict]) -> Vec<String> {
     let coarse: Vec<_> = verdicts.iter().filter(|verdict| !verdict.is_fine()).collect();
@@ -155,10 +192,13 @@ pub(super) fn sentences(asked: &Asked, verdicts: &[Verdict]) -> Vec<String> {
             format!("{}: {times} times too coarse; {}", verdict.what, verdict.remedy)
         })
         .collect();
+    let unseen = unseen::of(asked);
     if coarse.is_empty() {
-        lines.push("everything is fine enough".into());
+        let all = if unseen.iter().any(Unseen::limits) { "every count" } else { "everything" };
+        lines.push(format!("{all} is fine enough"));
     }
     lines.extend(finest(asked));
+    lines.extend(unseen::sentences(asked));
     lines
 }
 
@@ -176,7 +216,8 @@ fn finest(asked: &Asked) -> Option<String> {
     let needed = three(um(coarsest));
     let positions =
         coarsest.axis.as_ref().map_or("positions".into(), |(axis, _)| format!("positions of {axis}"));
-    let fit = format!("{positions} do for tolerances of {needed} µm and more");
+    let counts = if unseen::of(asked).iter().any(Unseen::limits) { "by counts alone " } else { "" };
+    let fit = format!("{counts}{positions} do for tolerances of {needed} µm and more");
     Some(match Grade::not_finer_than(um(coarsest), size_mm) {
         Some(grade) => format!("{fit}, {grade} at {size_mm} mm"),
         None => format!("{fit}, which is more than any grade at {size_mm} mm"),

@@ -143,6 +143,46 @@ fn a_scale_stands_in_for_the_encoder() {
     assert!(answers.iter().any(|answer| answer["what"] == "Z: count of the encoder"));
 }
 
+/// 12.5 µm of X in ten steps are 1.25 µm, 25 µm of Z 2.5 µm: lost motion and screw within that do not count, beyond
+/// it they do, however fine the count is; a scale sees both.
+#[test]
+fn lost_motion_and_screws_are_named_beside_the_count() {
+    let place = Place::new();
+    let worn = |backlash: &str, rows: &str, more: &str| {
+        let text = SMALL_LATHE
+            .replacen("[axis.x]\n", &format!("[axis.x]\nbacklash_mm = {backlash}\n{more}"), 1)
+            .replacen("[[-400.0, -19.0], [200.0, 10.0]]", rows, 1);
+        place.write("worn.toml", text);
+        let text = place.ask(&["resolution", "--machine", "worn.toml"]).stdout;
+        (text, list(&found(&place, &["--machine", "worn.toml"])["unseen"]).clone())
+    };
+    let (text, unseen) = worn("0.0012", "[[-90, 1.0], [-80, -1.4]]", "");
+    let named: Vec<_> = unseen.iter().map(|one| (&one["axis"], &one["what"], &one["limits"])).collect();
+    assert_eq!(
+        named,
+        [(&"x".into(), &"lost motion".into(), &false.into()), (&"z".into(), &"screw".into(), &false.into())]
+    );
+    assert!(text.contains("\neverything is fine enough\npositions of X"), "{text}");
+
+    let (text, unseen) = worn("0.0013", "[[-90, 1.0], [-80, -1.6]]", "");
+    assert!(unseen.iter().all(|one| one["limits"] == true), "{unseen:?}");
+    assert!(
+        near(number(&unseen[1]["size"]), 0.0026) && near(number(&unseen[1]["within"]), 0.0025),
+        "{unseen:?}"
+    );
+    for words in [
+        "\nevery count is fine enough\nby counts alone positions of X do for tolerances of 0.763 µm",
+        "X: its lost motion of 1.3e-3 mm, 34.1 counts, limits the accuracy: axis.x.backlash_mm has to be right within 1.25e-3 mm",
+        "Z: its screw of 2.6e-3 mm, 68.2 counts, limits the accuracy: axis.z.screw_error has to be right within 2.5e-3 mm",
+        "until the motor has crossed it",
+        "X: nothing is known of the error of the screw",
+    ] {
+        assert!(text.contains(words), "{words}:\n{text}");
+    }
+    let (text, unseen) = worn("0.0013", "[[-90, 0.0], [-80, 0.0]]", "scale_step_mm = 0.0001\n");
+    assert!(unseen.is_empty() && !text.contains("do not see") && !text.contains("X: nothing"), "{text}");
+}
+
 /// An axis C of 0.001 degrees a count: 25 µm are 0.0573 degrees at 25 mm, and four times less at 100 mm.
 #[test]
 fn what_turns_is_asked_in_degrees() {
