@@ -11,7 +11,8 @@
 //! longer the chain takes, which stops where that is faster.
 //!
 //! `LINUXCNC=/path/to/linuxcnc cargo bench --bench contours` compares with LinuxCNC's planner instead, from a
-//! checkout of its release 2.9 (`linuxcnc/mod.rs`).
+//! checkout of its release 2.9 (`linuxcnc/mod.rs`). `FOLLOWED=10 cargo bench --bench contours` runs them with
+//! ten seeds and says how far the slides are from the contours (`followed/mod.rs`).
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::{PI, TAU};
@@ -25,6 +26,7 @@ use testing::Seed;
 
 use optimum::{Caps, least_time, places};
 
+mod followed;
 mod linuxcnc;
 mod optimum;
 
@@ -193,9 +195,9 @@ fn zigzag() -> Vec<Point> {
     points
 }
 
-/// The program of the first of points, with so many decimals.
-fn program(points: &[Point], mode: &str, decimals: usize) -> String {
-    let mut text = format!("G21 G90 G94 G17 G64 {mode} F{FEED_MM_MIN}\n");
+/// The program of points, with so many decimals, at a feed.
+fn program(points: &[Point], mode: &str, decimals: usize, feed_mm_min: f64) -> String {
+    let mut text = format!("G21 G90 G94 G17 G64 {mode} F{feed_mm_min}\n");
     for (k, [x, y, z]) in points.iter().enumerate() {
         let code = if k == 0 { "G0" } else { "G1" };
         writeln!(text, "{code} X{x:.decimals$} Y{y:.decimals$} Z{z:.decimals$}").unwrap();
@@ -206,7 +208,11 @@ fn program(points: &[Point], mode: &str, decimals: usize) -> String {
 /// Seconds that a program along points takes from the first of them on.
 fn time(machine: &Machine, points: &[Point], mode: &str, decimals: usize) -> f64 {
     let [start, whole] = [1, points.len()].map(|count| {
-        let check = interpreter::check("contour.ngc", &program(&points[..count], mode, decimals), machine);
+        let check = interpreter::check(
+            "contour.ngc",
+            &program(&points[..count], mode, decimals, FEED_MM_MIN),
+            machine,
+        );
         assert!(check.is_good(), "{:?}", check.diagnostics);
         check.time_s
     });
@@ -215,7 +221,7 @@ fn time(machine: &Machine, points: &[Point], mode: &str, decimals: usize) -> f64
 
 /// What the interpreter makes of points with P0.01 and five decimals, as blocks of X, Y and Z.
 fn blocks(points: &[Point], machine: &Machine) -> Vec<Block<3, ()>> {
-    let check = interpreter::check("contour.ngc", &program(points, "P0.01", 5), machine);
+    let check = interpreter::check("contour.ngc", &program(points, "P0.01", 5, FEED_MM_MIN), machine);
     let mut from = machine.home();
     let mut blocks = Vec::new();
     for item in &check.items {
@@ -295,6 +301,11 @@ fn main() {
     ];
     if let Some(sources) = std::env::var_os("LINUXCNC") {
         return linuxcnc::beside(sources.as_ref(), &contours, &machine);
+    }
+    if let Some(seeds) = std::env::var_os("FOLLOWED") {
+        let seeds =
+            seeds.to_str().and_then(|seeds| seeds.parse().ok()).expect("FOLLOWED is a number of seeds");
+        return followed::beside(seeds, &contours, &machine);
     }
     print!("{:<20} {:>6} {:>8}", "contour", "lines", "way/feed");
     MODES.iter().for_each(|mode| print!(" {mode:>12}"));

@@ -9,7 +9,7 @@ use std::process::Command;
 use machine::Machine;
 use protocol::Axis;
 
-use super::{Point, program, time};
+use super::{FEED_MM_MIN, Point, program, time};
 
 /// What LinuxCNC uses in effect at cycles of 1 ms, where an axis of 3 m/s² turns its acceleration on within
 /// one: jerk, mm/s³, and how fast that changes, mm/s⁴.
@@ -47,7 +47,7 @@ fn with_limits(points: &[Point], machine: &Machine) -> String {
         let of = limits[axis.index()];
         writeln!(text, "; limits {axis:?} {} mm/s {} mm/s2 {} mm/s3", of.v, of.a, of.j).unwrap();
     }
-    text + &program(points, "P0.01", DECIMALS)
+    text + &program(points, "P0.01", DECIMALS, FEED_MM_MIN)
 }
 
 /// Writes the programs, and gives their paths.

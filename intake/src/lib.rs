@@ -144,9 +144,9 @@ pub fn prepare(path: &Path, bytes: &[u8]) -> Result<Prepared> {
     Ok(prepared)
 }
 
-/// Begins what will be the new content of a file of the user's own. It keeps its permissions, and its place if
-/// `path` is a link. What is written to is new: no link is followed, no pipe waited for, and nobody else's file
-/// is touched.
+/// Begins what will be the new content of a file of the user's own. It keeps its permissions, and its place
+/// if `path` is a link. What is written to is new: no link is followed, no pipe waited for, and nobody else's
+/// file is touched.
 ///
 /// # Errors
 /// It cannot be written.

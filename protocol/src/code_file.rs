@@ -8,11 +8,11 @@
 //! | 4 | CRC-32 of the content, little-endian |
 //! | … | content: a [`CodeFile`] through serde and bincode 2, standard configuration |
 //!
-//! What is read was written by a [`CodeWriter`] and nothing else: every other byte sequence is refused with the
-//! reason. A writer takes items one by one and fills in the head at the end; a [`CodeReader`] looks at a file
-//! twice, once for its checksum and once for its items, and gives them one by one: the memory that both take
-//! does not depend on the length of the file. That matters because an item of two bytes takes hundreds of times
-//! as many in memory.
+//! What is read was written by a [`CodeWriter`] and nothing else: every other byte sequence is refused with
+//! the reason. A writer takes items one by one and fills in the head at the end; a [`CodeReader`] looks at a
+//! file twice, once for its checksum and once for its items, and gives them one by one: the memory that both
+//! take does not depend on the length of the file. That matters because an item of two bytes takes hundreds
+//! of times as many in memory.
 
 use std::{
     fs::File,
@@ -193,8 +193,8 @@ impl<W: Write + Seek> CodeWriter<W> {
     /// The next item.
     ///
     /// # Errors
-    /// [`CodeFileError::Item`] for what could not be read again; [`CodeFileError::Recounted`] behind the last one;
-    /// [`CodeFileError::TooLong`]; [`CodeFileError::Io`].
+    /// [`CodeFileError::Item`] for what could not be read again; [`CodeFileError::Recounted`] behind the last
+    /// one; [`CodeFileError::TooLong`]; [`CodeFileError::Io`].
     pub fn put(&mut self, item: &Item) -> Result<(), CodeFileError> {
         item.check().map_err(|reason| CodeFileError::Item {
             number: usize::try_from(self.given).unwrap_or(usize::MAX),

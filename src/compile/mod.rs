@@ -80,7 +80,7 @@ pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliEr
 /// The items of a program, or what is wrong with it.
 type Items = Box<dyn Iterator<Item = Result<Item, String>>>;
 
-/// Writes so many items to the machine-code file; its bytes, and what lines of it would tell at their beginning.
+/// Writes so many items to the machine-code file; its bytes, and what lines of it would tell first.
 fn write_code(
     args: &CompileArgs,
     count: u64,

@@ -1,8 +1,8 @@
-//! What encoders do not see, because it lies behind them: lost motion and the error of the screw. In: needs of the
-//! axes. Out: how much of it there is, as the machine file has it, and how exactly it has to be known.
+//! What encoders do not see, because it lies behind them: lost motion and the error of the screw. In: needs
+//! of the axes. Out: how much of it there is, as the machine file has it, and how exactly it has to be known.
 //!
-//! The controller takes both off as far as the machine file is right (M68), so what a part gets of them is what
-//! that is wrong by: it is given the step of position (M30). An axis with a scale sees both.
+//! The controller takes both off as far as the machine file is right (M68), so what a part gets of them is
+//! what that is wrong by: it is given the step of position (M30). An axis with a scale sees both.
 
 use regulator::screw::Screw;
 

@@ -1,4 +1,4 @@
-//! Ten thousand short moves: no process of the control takes more and more memory, and the length of a program is
+//! Ten thousand short moves: no process of the control takes more and more memory. The length of a program is
 //! not felt where it is compiled, nor where it is read as machine code.
 
 use std::{collections::BTreeMap, fmt::Write as _, fs};

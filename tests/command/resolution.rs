@@ -143,8 +143,8 @@ fn a_scale_stands_in_for_the_encoder() {
     assert!(answers.iter().any(|answer| answer["what"] == "Z: count of the encoder"));
 }
 
-/// 12.5 µm of X in ten steps are 1.25 µm, 25 µm of Z 2.5 µm: lost motion and screw within that do not count, beyond
-/// it they do, however fine the count is; a scale sees both.
+/// 12.5 µm of X in ten steps are 1.25 µm, 25 µm of Z 2.5 µm: lost motion and screw within that do not count,
+/// beyond it they do, however fine the count is; a scale sees both.
 #[test]
 fn lost_motion_and_screws_are_named_beside_the_count() {
     let place = Place::new();

@@ -23,6 +23,7 @@ mod single;
 mod surface;
 mod tapping;
 mod threads;
+mod upright;
 mod varied;
 mod with_c;
 

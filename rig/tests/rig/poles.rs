@@ -108,8 +108,8 @@ fn past_the_pole_at_a_tenth_of_a_degree_the_turn_takes_its_time() {
     assert!(step > 0.02 && step < 0.0301, "{step} degrees in a cycle");
 }
 
-/// At 0.5° with a direction that may be off by as much: C stands, the beam is on the seam, and the direction off by
-/// no more than that.
+/// At 0.5° with a direction that may be off by as much: C stands, the beam is on the seam, and the direction
+/// off by no more than that.
 #[test]
 fn past_the_pole_within_a_tolerance_only_the_tilt_turns() {
     let machine = Machine::from_toml(machine::POSITIONER).unwrap();

@@ -13,7 +13,7 @@
 //! ```text
 //! p = at + r e(t) + h (axis + k e(t)),   F(p) = c0 + c1 h₂ + c2 h₂² + c3 ρ₂² = 0:  A h² + B h + C = 0  (M92)
 //! h = 2C/(−B ∓ √(B² − 4AC)) = (−B ± √…)/2A,   l = sin((1 − σ)θ) n₁ + sin(σθ) n₂
-//! l′ = (lx − cx lz, ly − cy lz, lz), off by 2 atan(|c|/2) at most: where (lx, ly) = c lz, it is ±Z       (M239)
+//! l′ = (lx − cx lz, ly − cy lz, lz), ±Z where (lx, ly) = c lz, off by 2 atan(|c|/2) at most           (M239)
 //! ```
 //! The first form serves where A = 0, too: a plane, or a generator along an asymptote. Axes by M49; `lean`
 //! has their angles.
@@ -106,7 +106,7 @@ pub struct Seam {
     pub branch: Branch,
     /// β where the direction is ±Z all along the seam and any would do, degrees.
     pub idle_beta_deg: f64,
-    /// c of M239: with it the axes follow a direction that goes through ±Z where that of the curve passes closely.
+    /// c of M239: the axes follow a direction that goes through ±Z where that of the curve passes closely.
     pub moved: Option<[f64; 2]>,
 }
 
@@ -130,7 +130,7 @@ impl Seam {
 }
 
 impl SeamPath<'_> {
-    /// Point and direction at t that the axes follow: the direction is that of the curve, moved if it shall be.
+    /// Point and direction at t that the axes follow: that of the curve, moved if it shall be.
     fn followed(&self, t: f64) -> [Vector; 2] {
         let [point, direction @ [x, y, z]] = self.place(t);
         let moved = self.seam.moved.map(|[cx, cy]| [x - z * cx, y - z * cy, z]);

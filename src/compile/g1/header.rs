@@ -1,5 +1,5 @@
-//! What straight lines are made from, which has to be known before the first of them. In: items, one by one; the
-//! machine they are for, the name of their program. Out: where their zero lies; lines that begin with `; `.
+//! What straight lines are made from, which has to be known before the first of them. In: items, one by one;
+//! the machine they are for, the name of their program. Out: where their zero lies; lines that begin `; `.
 
 use machine::{Kinematics, Machine};
 use protocol::{Axis, Code, FORMULAS, Item, PerAxis, Position, Shape, Work};

@@ -1,6 +1,6 @@
-//! A seam whose direction passes that of the turn axis closely, where C would have to turn fast. In: seams, their
-//! formulas, how far their direction may be off. Out: the way of the axes, with a direction that is moved so that
-//! it goes through that of the turn axis (M239) where this is within the tolerance and faster.
+//! A seam whose direction passes that of the turn axis closely, where C would have to turn fast. In: seams,
+//! their formulas, how far their direction may be off. Out: the way of the axes, with a direction that is
+//! moved so that it goes through that of the turn axis (M239) where this is within the tolerance and faster.
 
 use machine::PositionerConfig;
 use shape::{Formula, Seam};
@@ -62,7 +62,7 @@ impl Nearest {
     }
 }
 
-/// The nearest place of all seams; none where a direction goes through that of the turn axis already, or nowhere.
+/// The nearest place of all seams; none where a direction goes through that of the turn axis already.
 fn passing(seams: &[Seam], formulas: &[Formula], positioner: &PositionerConfig) -> Option<Nearest> {
     let places = (PLACES / seams.len().max(1)).max(FEWEST);
     let looked = seams.iter().enumerate().flat_map(|(index, seam)| {

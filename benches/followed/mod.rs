@@ -1,0 +1,179 @@
+//! How far the slides are from contours in the time that an earlier pitchlock took for them. In: contours,
+//! the machine. Out: a row each. `FOLLOWED=10 cargo bench --bench contours` runs each with ten seeds.
+//!
+//! | symbol | unit | meaning |
+//! |---|---|---|
+//! | c, v | mm, mm/s | commanded position and speed |
+//! | p | mm | true position of the slides |
+//!
+//! ```text
+//! e = p − c,   contour error = |e − (e·v) v/v²|          what a run says of the motors, here of the slides
+//! ```
+//! Faster motion errs more, so the feed is lowered until the time that is foretold is that of before.
+
+use machine::Machine;
+use protocol::Axis;
+use rig::{Rig, observe::Record};
+use sim_plant::Scenario;
+
+use super::{FEED_MM_MIN, Point, less, norm, program};
+
+/// What commit 015c7cf4 did at 6 m/min, before anything was done about contours in lines: seconds foretold,
+/// and of ten seeds the largest contour error, its rms, how far the slides were from the lines at most, µm.
+const BEFORE: [[f64; 4]; 13] = [
+    [9.83, 2.89, 1.22, 8.94],
+    [4.00, 4.55, 1.93, 4.44],
+    [4.01, 4.55, 1.93, 4.47],
+    [4.02, 4.55, 1.93, 4.68],
+    [6.95, 3.55, 1.31, 7.63],
+    [8.38, 3.27, 1.28, 4.54],
+    [8.41, 3.27, 1.28, 4.55],
+    [20.03, 2.79, 1.13, 7.71],
+    [25.39, 2.82, 1.18, 7.40],
+    [36.62, 2.53, 1.10, 3.75],
+    [15.23, 2.57, 1.43, 8.41],
+    [15.32, 3.58, 1.20, 8.21],
+    [42.31, 2.71, 1.15, 8.29],
+];
+
+/// Slower than this is standing, mm/s.
+const STANDS_MM_S: f64 = 1e-3;
+/// How far along the lines the nearest place may be from that of the cycle before, mm.
+const WINDOW_MM: f64 = 0.5;
+/// Times are the same within this share.
+const SAME: f64 = 0.002;
+
+/// What was seen of some runs.
+#[derive(Default)]
+struct Seen {
+    max_mm: f64,
+    squares: f64,
+    cycles: u64,
+    off_mm: f64,
+}
+
+/// Where the nearest place of the lines was last.
+struct Nearest<'a> {
+    points: &'a [Point],
+    line: usize,
+}
+
+impl Nearest<'_> {
+    /// How far a place is from the lines, near the place before, mm.
+    fn off(&mut self, at: &Point) -> f64 {
+        let distance = |line: usize| {
+            let [from, to] = [self.points[line], self.points[line + 1]];
+            let (way, seen) = (less(&to, &from), less(at, &from));
+            let dot = |a: &Point, b: &Point| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+            let share = (dot(&seen, &way) / dot(&way, &way)).clamp(0.0, 1.0);
+            norm(&std::array::from_fn(|i| seen[i] - share * way[i]))
+        };
+        let mut best = (distance(self.line), self.line);
+        for ahead in [true, false] {
+            let (mut line, mut way) = (self.line, 0.0);
+            while way < WINDOW_MM {
+                way += norm(&less(&self.points[line + 1], &self.points[line]));
+                let next = if ahead { line + 1 } else { line.wrapping_sub(1) };
+                if next >= self.points.len() - 1 {
+                    break;
+                }
+                line = next;
+                let off = distance(line);
+                if off < best.0 {
+                    best = (off, line);
+                }
+            }
+        }
+        self.line = best.1;
+        best.0
+    }
+}
+
+/// Lines of the program before the first one of the contour.
+const HEAD: u32 = 2;
+
+impl Seen {
+    fn cycle(&mut self, record: &Record, nearest: &mut Nearest) {
+        let axes = [Axis::X, Axis::Y, Axis::Z].map(|axis| {
+            let (_, status) = record.axes.iter().find(|(other, _)| *other == axis).unwrap();
+            let slide = record.truth.axes[axis.index()].slide_mm;
+            (slide, slide - status.commanded_mm, status.velocity_mm_s)
+        });
+        let sum = |of: fn(&(f64, f64, f64)) -> f64| axes.iter().map(of).sum::<f64>();
+        let (error, along, speed) = (sum(|a| a.1 * a.1), sum(|a| a.1 * a.2), sum(|a| a.2 * a.2));
+        if record.axes[0].1.line <= HEAD || speed <= STANDS_MM_S * STANDS_MM_S {
+            return;
+        }
+        let error = (error - along * along / speed).max(0.0);
+        self.max_mm = self.max_mm.max(error.sqrt());
+        (self.squares, self.cycles) = (self.squares + error, self.cycles + 1);
+        self.off_mm = self.off_mm.max(nearest.off(&axes.map(|axis| axis.0)));
+    }
+}
+
+/// Runs points at a feed with as many seeds.
+fn seen(points: &[Point], feed_mm_min: f64, machine: &Machine, seeds: u64) -> Seen {
+    let check = interpreter::check("contour.ngc", &program(points, "P0.01", 5, feed_mm_min), machine);
+    let mut seen = Seen::default();
+    for seed in 1..=seeds {
+        let mut rig = Rig::new(machine, check.items.iter().copied(), Scenario::default(), seed).unwrap();
+        let mut nearest = Nearest { points, line: 0 };
+        while rig.cycle(None, |record| seen.cycle(record, &mut nearest)) {}
+    }
+    seen
+}
+
+/// The time that is foretold from the first of points on at a feed, s.
+fn foretold(points: &[Point], feed_mm_min: f64, machine: &Machine) -> f64 {
+    let [start, whole] = [1, points.len()].map(|count| {
+        let text = program(&points[..count], "P0.01", 5, feed_mm_min);
+        interpreter::check("contour.ngc", &text, machine).time_s
+    });
+    whole - start
+}
+
+/// The feed at which points take so long; 6 m/min where they take as long then or longer.
+fn feed_of(points: &[Point], seconds: f64, machine: &Machine) -> f64 {
+    let (mut low, mut high) = (FEED_MM_MIN / 50.0, FEED_MM_MIN);
+    let mut feed = high;
+    loop {
+        let time = foretold(points, feed, machine);
+        if !seconds.is_finite()
+            || (time / seconds - 1.0).abs() < SAME
+            || high - low < 0.1
+            || (feed == FEED_MM_MIN && time > seconds)
+        {
+            return feed;
+        }
+        if time < seconds {
+            high = feed
+        } else {
+            low = feed
+        }
+        feed = (low * high).sqrt();
+    }
+}
+
+/// Prints for each contour what is now beside what was before.
+pub(crate) fn beside(seeds: u64, contours: &[(&str, Vec<Point>)], machine: &Machine) {
+    println!(
+        "{:<20} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}   before: s, max, rms, off",
+        "contour", "F", "s", "max, um", "rms, um", "off, um", "moved, s"
+    );
+    for ((name, points), before) in contours.iter().zip(BEFORE) {
+        let feed = feed_of(points, before[0], machine);
+        let seen = seen(points, feed, machine, seeds);
+        let moved_s = seen.cycles as f64 * machine.general.cycle_s / seeds as f64;
+        println!(
+            "{name:<20} {feed:>8.0} {:>8.2} {:>8.2} {:>8.2} {:>8.2} {moved_s:>8.2}   {:.2} {:.2} {:.2} {:.2}",
+            foretold(points, feed, machine),
+            1e3 * seen.max_mm,
+            1e3 * (seen.squares / seen.cycles as f64).sqrt(),
+            1e3 * seen.off_mm,
+            before[0],
+            before[1],
+            before[2],
+            before[3]
+        );
+    }
+}
