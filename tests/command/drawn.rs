@@ -27,7 +27,7 @@ fn text(name: &str) -> String {
 }
 
 /// Every example that cuts a thread and needs nothing besides; the bolt of the first hour has its page.
-const THREADS: [&str; 16] = [
+const THREADS: [&str; 17] = [
     "m20x2.ngc",
     "internal-m30.ngc",
     "varied.ngc",
@@ -43,6 +43,7 @@ const THREADS: [&str; 16] = [
     "fanuc/barrel.nc",
     "fanuc/two-starts.nc",
     "fanuc/grooves-macro.nc",
+    "fanuc/tap-peck.nc",
     "rechucked/thread.ngc",
 ];
 
@@ -88,6 +89,7 @@ fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
         ("fanuc/taper-g32.nc", ["#101=1.452", "#101=1.3"], "R3/4: GO does not go on"),
         ("fanuc/grooves-macro.nc", ["Q[#100*180000]", "Q[#100*170000]"], "starts "),
         ("tap-m8.ngc", ["K1.25", "K1.26"], "NO-GO goes in"),
+        ("fanuc/tap-peck.nc", ["F1.25 Q6.", "F1.26 Q6."], "NO-GO goes in"),
         ("tap-m8.ngc", ["G0 X0 Z8", "G0 X0.1 Z8"], "NO-GO goes in"),
         ("tap-m8.ngc", ["M8x1.25-6H", "M8x1.25-6g"], "and M8x1.25-6g is a screw"),
     ] {

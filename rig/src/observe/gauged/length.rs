@@ -27,6 +27,12 @@ pub(super) fn judged_mm(lengths_mm: &[[f64; 2]]) -> [f64; 2] {
     if lengths_mm.iter().all(meets) { common } else { [0.0; 2] }
 }
 
+/// The longer of two lengths.
+pub(super) fn longer_mm(one: Option<[f64; 2]>, other: [f64; 2]) -> Option<[f64; 2]> {
+    let mm = |[low, high]: [f64; 2]| high - low;
+    one.filter(|one| mm(*one) >= mm(other)).or(Some(other))
+}
+
 /// Where a pass is at full depth on one lead in the stock, along Z of the program: on its first, or on the
 /// first behind `from_mm` of the machine. Stock that the machine file tells of does not move with another
 /// tool: it lies where the first pass sees it. Along the last `chamfer_mm` of a tap its teeth are not

@@ -34,7 +34,7 @@ use protocol::{Axis, ThreadPass, Truth};
 use crossings::Crossings;
 pub(super) use drawn::Grooved;
 pub use drawn::{GrooveAsked, GrooveReport};
-use length::{full_mm, judged_mm};
+use length::{full_mm, judged_mm, longer_mm};
 pub use report::{GaugeLimits, GaugeReport};
 use tapped::{Tap, holes};
 use turned::Turned;
@@ -152,21 +152,12 @@ impl Gauged {
             in_place_mm: None,
             asked,
         };
-        let mut lengths_mm = Vec::with_capacity(program.len());
+        let (mut lengths_mm, mut tapped_mm) = (Vec::with_capacity(program.len()), None);
         let first_mm = program.keys().next().map_or(0.0, |first| gauged.origin_mm(*first)[1]);
         for (number, planned) in program {
-            let (nominal, pass) = (&gauged.asked.nominal, &planned.pass);
-            let tap = Tap::of(nominal, pass, stations, hole_mm.is_some());
-            let edge = match (&tap, pass.returns()) {
-                (Some(_), _) => Tap::edge(nominal),
-                (None, true) => {
-                    gauged.other_side |= nominal.side == Side::External;
-                    continue;
-                }
-                // An edge that turns with the spindle is no lathe tool.
-                (None, false) if hole_mm.is_some() => continue,
-                (None, false) => edge_of(machine, planned.tool, nominal),
-            };
+            let pass = &planned.pass;
+            let tap = Tap::of(&gauged.asked.nominal, pass, stations, hole_mm.is_some());
+            let Some(edge) = gauged.edge(machine, planned, tap.as_ref()) else { continue };
             let edges = &mut gauged.sections.edges;
             let known = edges.iter().position(|other| *other == edge);
             let at = known.unwrap_or_else(|| {
@@ -175,15 +166,37 @@ impl Gauged {
             });
             gauged.edges.insert(*number, at);
             let [x, z] = gauged.origin_mm(*number);
+            let nominal = &gauged.asked.nominal;
             let is_nut = nominal.side == Side::Internal;
             gauged.other_side |= pass.cuts_outwards(x).is_some_and(|away| away != is_nut);
             let chamfer_mm = tap.as_ref().map_or(0.0, |_| tapped::PARTIAL * nominal.pitch_mm);
-            lengths_mm.push(full_mm(planned, gauged.begins_mm(*number), [z, first_mm], chamfer_mm));
+            let length_mm = full_mm(planned, gauged.begins_mm(*number), [z, first_mm], chamfer_mm);
+            match &tap {
+                Some(_) => tapped_mm = longer_mm(tapped_mm, length_mm),
+                None => lengths_mm.push(length_mm),
+            }
             gauged.taps.extend(tap.map(|tap| (*number, tap)));
         }
+        // Pecks stop in the thread that they cut: the deepest of them has all of it.
+        lengths_mm.extend(tapped_mm);
         gauged.full_mm = judged_mm(&lengths_mm);
         gauged.turned = Turned::new(&gauged.asked.nominal, gauged.full_mm);
         gauged
+    }
+
+    /// The edge that cuts a pass, if it is one that is known here.
+    fn edge(&mut self, machine: &Machine, planned: &Planned, tap: Option<&Tap>) -> Option<Edge> {
+        let nominal = &self.asked.nominal;
+        match (tap, planned.pass.returns()) {
+            (Some(_), _) => Some(Tap::edge(nominal)),
+            (None, true) => {
+                self.other_side |= nominal.side == Side::External;
+                None
+            }
+            // An edge that turns with the spindle is no lathe tool.
+            (None, false) if self.hole_mm.is_some() => None,
+            (None, false) => Some(edge_of(machine, planned.tool, nominal)),
+        }
     }
 
     /// Takes a control cycle: whether the axes are moved at a feed, and where zero of the program lies for
