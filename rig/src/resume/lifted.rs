@@ -3,7 +3,7 @@
 //!
 //! | the tool stands | it goes |
 //! |---|---|
-//! | on the move that was broken off, on one behind it, or beside them where it was braked | straight up to where the axes stand at the start of the machine, over the place, down by feed |
+//! | on the move that was broken off, on one behind it, or beside them where it was braked | straight up, as high as the axes stand at the start of the machine and as the program has led them, over the place, down by feed |
 //! | straight over one of these moves, or so high already: a lead-in was broken off as well | the same |
 //! | below where a pass of a thread or tap starts | nowhere: nothing but the spindle takes it out |
 //!
@@ -14,11 +14,11 @@ use machine::Machine;
 use protocol::{Axis, Code, Feed, Item, PerAxis, Position, ThreadPass};
 use route::{
     approach::{BACK, before, down, over},
-    in_force::apart_mm,
+    in_force::{Modal, apart_mm},
 };
 
 use super::{
-    Front, Last, Plan, Stands, State,
+    Front, Plan, Stands,
     refusal::Refusal,
     ways::{LED_MM, ON_MM, Step, is_in_hole, off},
 };
@@ -27,21 +27,14 @@ const Z: usize = Axis::Z as usize;
 /// A tool that is straight over a move is so within this, mm.
 const OVER_MM: f64 = 0.5;
 
+/// Whether a tool is straight over one of these steps, or as high as the program has led it before.
+pub(super) fn is_above(begin: &Modal, steps: &[Step], here: &PerAxis<Position>) -> bool {
+    begin.top.mm_from(here[Z]) < ON_MM || steps.iter().any(|step| is_over(step, here))
+}
+
 /// A plan, and whether the tool stands on the first move that is not done.
-pub(super) fn attempt(
-    machine: &Machine,
-    program: impl Iterator<Item = Item>,
-    state: &State,
-    here: &PerAxis<Position>,
-    last_move: Last,
-) -> Result<(Plan, bool), Refusal> {
-    let top = top(machine, here);
-    let above = |steps: &[Step]| top.mm_from(here[Z]) < ON_MM || steps.iter().any(|step| is_over(step, here));
-    let Front { mut begin, mut steps, first, stood, last } =
-        match Front::find(machine, program, state, here, last_move, above)? {
-            Ok(front) => front,
-            Err((begin, steps)) => return Ok((Plan::new(begin, &steps, Stands::AtRest, Vec::new()), true)),
-        };
+pub(super) fn over_the_part(front: Front, here: &PerAxis<Position>) -> Result<(Plan, bool), Refusal> {
+    let Front { mut begin, mut steps, first, stood, last } = front;
     if let Some(line) = in_hole(&steps[last..], stood.is_some(), here) {
         return Err(Refusal::Tap { line });
     }
@@ -56,16 +49,11 @@ pub(super) fn attempt(
         // Where it leads is reached as well.
         steps.drain(..=first).for_each(|(item, _)| begin.take(&item));
     }
-    let way = over(here, top.max(begin.top), begin.at, line);
+    let way = over(here, begin.top.max(here[Z]), begin.at, line);
     let line = steps.first().map_or(line, |step| step.0.line);
     let before = before(&begin, &way, &[], true, line);
     let plan = Plan { before, lifts: true, ..Plan::new(begin, &steps, stands, way) };
     Ok((plan, first == last && stood.is_some()))
-}
-
-/// So high nothing is in the way: where Z stands at the start of the machine, or here if that is higher.
-fn top(machine: &Machine, here: &PerAxis<Position>) -> Position {
-    machine.home()[Z].max(here[Z])
 }
 
 /// The moves of another tool, from where the way of the one before leads down to its place.

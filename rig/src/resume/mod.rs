@@ -82,11 +82,9 @@ pub fn plan<I: Iterator<Item = Item>>(
     state: &State,
     here: &PerAxis<Position>,
 ) -> Result<Plan, Refusal> {
-    let attempt = match machine.general.kinematics {
-        Kinematics::Lathe => attempt,
-        Kinematics::Mill => lifted::attempt,
-        Kinematics::Positioner => return Err(Refusal::Positioner),
-    };
+    if machine.general.kinematics == Kinematics::Positioner {
+        return Err(Refusal::Positioner);
+    }
     if state.is_complete() {
         return Err(Refusal::Complete);
     }
@@ -105,6 +103,28 @@ enum Last {
     Done,
 }
 
+/// A plan, and whether the tool stands on the first move that is not done.
+fn attempt(
+    machine: &Machine,
+    program: impl Iterator<Item = Item>,
+    state: &State,
+    here: &PerAxis<Position>,
+    last_move: Last,
+) -> Result<(Plan, bool), Refusal> {
+    let mut program = program.fuse();
+    let mut found = find(machine, &mut program, state, last_move)?;
+    look_ahead(&mut found.steps, &mut program);
+    let Some(first) = found.first_move() else {
+        return Ok((Plan::new(found.begin, &found.steps, Stands::AtRest, Vec::new()), true));
+    };
+    let front = Front::find(machine, found, first, state, here)?;
+    if is_mill(machine) { lifted::over_the_part(front, here) } else { where_it_has_been(front, here) }
+}
+
+fn is_mill(machine: &Machine) -> bool {
+    machine.general.kinematics == Kinematics::Mill
+}
+
 /// What is not done, and where in it the tool stands.
 struct Front {
     /// What is in force where it begins.
@@ -120,29 +140,24 @@ struct Front {
 }
 
 impl Front {
-    /// Finds it; if nothing moves any more, what is in force and what follows. A tool that is on no step may
-    /// be `above` those that are not done.
+    /// Finds it in a program whose first move that is not done is known. The tool of a mill that is on no
+    /// step may be above those that are not done.
     fn find(
         machine: &Machine,
-        program: impl Iterator<Item = Item>,
+        found: Found,
+        mut first: usize,
         state: &State,
         here: &PerAxis<Position>,
-        last_move: Last,
-        above: impl Fn(&[Step]) -> bool,
-    ) -> Result<Result<Front, (Modal, Vec<Step>)>, Refusal> {
-        let mut program = program.fuse();
-        let Found { mut begin, mut steps, known } = find(machine, &mut program, state, last_move)?;
-        look_ahead(&mut steps, &mut program);
+    ) -> Result<Front, Refusal> {
+        let Found { mut begin, mut steps, known } = found;
         let stood = stands_on(&steps, known, here);
-        let first = steps.iter().skip(known).position(|step| moves(&step.0)).map(|first| known + first);
-        let Some(mut first) = first else { return Ok(Err((begin, steps))) };
         let to = steps[..=stood.unwrap_or(first)].iter().map(|step| step.0).find(is_work);
         if let Some(Item { line, .. }) = to {
             return Err(Refusal::Work { line });
         }
         let mut last = match stood {
             Some(last) => last,
-            None if above(&steps[first..]) => first,
+            None if is_mill(machine) && lifted::is_above(&begin, &steps[first..], here) => first,
             None => return Err(elsewhere(machine, &steps[first], here)),
         };
         if *state == State::nothing()
@@ -157,23 +172,13 @@ impl Front {
             last -= change + 1;
             first = steps.iter().position(|step| moves(&step.0)).unwrap_or(last);
         }
-        Ok(Ok(Front { begin, steps, first, stood, last }))
+        Ok(Front { begin, steps, first, stood, last })
     }
 }
 
-/// A plan, and whether the tool stands on the first move that is not done.
-fn attempt(
-    machine: &Machine,
-    program: impl Iterator<Item = Item>,
-    state: &State,
-    here: &PerAxis<Position>,
-    last_move: Last,
-) -> Result<(Plan, bool), Refusal> {
-    let Front { mut begin, mut steps, first, last, .. } =
-        match Front::find(machine, program, state, here, last_move, |_| false)? {
-            Ok(front) => front,
-            Err((begin, steps)) => return Ok((Plan::new(begin, &steps, Stands::AtRest, Vec::new()), true)),
-        };
+/// A plan of a lathe: its tool goes over nothing but what it has been over.
+fn where_it_has_been(front: Front, here: &PerAxis<Position>) -> Result<(Plan, bool), Refusal> {
+    let Front { mut begin, mut steps, first, last, .. } = front;
     let Item { line, code } = steps[last].0;
     if let Code::Pass(pass) = code
         && pass.returns()
@@ -214,6 +219,14 @@ struct Found {
     known: usize,
 }
 
+impl Found {
+    /// The first move that is not done; none if nothing moves any more.
+    fn first_move(&self) -> Option<usize> {
+        let first = self.steps.iter().skip(self.known).position(|step| moves(&step.0))?;
+        Some(self.known + first)
+    }
+}
+
 /// Reads a program up to what is not done.
 fn find(
     machine: &Machine,
@@ -224,7 +237,7 @@ fn find(
     let mut modal = Modal::new(machine);
     // The contour in hand: what was in force before its first feed, and all since.
     let mut contour: Option<(Modal, Vec<Step>)> = None;
-    let goes_back = machine.general.kinematics == Kinematics::Lathe;
+    let goes_back = !is_mill(machine);
     loop {
         let item = program.next().ok_or(Refusal::OtherProgram)?;
         if is_not_done(&modal, &item, state, last_move) {

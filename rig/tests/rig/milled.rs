@@ -189,38 +189,43 @@ fn mill() -> Machine {
     Machine::from_toml(machine::SMALL_MILL).expect("a mill")
 }
 
-#[test]
-fn a_mill_that_is_cut_in_any_cycle_finishes_its_part_and_nothing_else() {
-    let machine = mill();
-    let items = compiled(&machine, &program("G64 P0.01"));
-    assert!(items.iter().any(|item| matches!(item.code, Code::Curve { .. })), "the ellipse is a curve");
-    let exact = compiled(&machine, &program("G61"));
-    let mut whole = Programmed::new(&machine, &exact);
-    let mut off_mm = 0.0_f64;
-    let seen = |whole: &mut Programmed, off_mm: &mut f64, record: &Record| {
-        whole.cut(slides(record)).into_iter().for_each(|mm| *off_mm = off_mm.max(mm));
-    };
-    let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 1).expect("a rig");
-    let mut cycles = 0;
-    while rig.cycle(None, |record| seen(&mut whole, &mut off_mm, record)) {
-        cycles += 1;
+/// A program as it is executed, and as exact lines and arcs; how many cycles it takes without a cut.
+struct Work {
+    machine: Machine,
+    items: Vec<Item>,
+    exact: Vec<Item>,
+    cycles: u64,
+}
+
+impl Work {
+    /// The text of a program is given the path that it keeps to. Uncut it does what it says.
+    fn new(machine: Machine, text: impl Fn(&str) -> String) -> Work {
+        let [items, exact] = ["G64 P0.01", "G61"].map(|path| compiled(&machine, &text(path)));
+        let mut whole = Programmed::new(&machine, &exact);
+        let mut rig = Rig::new(&machine, items.iter().copied(), Scenario::none(), 1).expect("a rig");
+        let (mut cycles, mut off_mm) = (0, 0.0_f64);
+        while rig.cycle(None, |record| off_mm = off_mm.max(whole.cut(slides(record)).unwrap_or(0.0))) {
+            cycles += 1;
+        }
+        assert!(off_mm < NEAR_MM && whole.is_complete(), "{off_mm} mm, {:?}", whole.missing());
+        Work { machine, items, exact, cycles }
     }
-    assert!(off_mm < NEAR_MM && whole.is_complete(), "{off_mm} mm, {:?}", whole.missing());
-    let (mut random, mut stood, mut most_mm) = (Seed::new(239), [0; 4], 0.0_f64);
-    for number in 0..count("PITCHLOCK_CUTS", CUTS) {
-        let [at, lost] = [random.within(1..cycles), random.within(0..4) * random.within(0..2)];
-        let mut part = Programmed::new(&machine, &exact);
-        let (known, plant) = cut(&machine, &items, [1, at, lost], |record| {
+
+    /// It is cut behind a cycle, so many records of the journal are lost, and it is gone on with: the plan,
+    /// and how far the tool was off path and column in the part, mm.
+    fn finished(&self, at: u64, lost: u64) -> (Plan, f64) {
+        let Work { machine, items, exact, .. } = self;
+        let mut part = Programmed::new(machine, exact);
+        let (known, plant) = cut(machine, items, [1, at, lost], |record| {
             part.cut(slides(record));
         });
-        let what = format!("cut {number} in cycle {at}, {lost} records lost");
-        let plan =
-            planned(&machine, &items, &known, &plant).unwrap_or_else(|error| panic!("{what}: {error}"));
+        let what = format!("cut in cycle {at}, {lost} records lost");
+        let plan = planned(machine, items, &known, &plant).unwrap_or_else(|error| panic!("{what}: {error}"));
         let stands = plant.measurement().axes.map(|axis| axis.position);
         let [stood_x, stood_y, _] = place(&stands);
-        let mut observer = Observer::new(&machine, &items);
+        let mut observer = Observer::new(machine, items);
         let mut observed_mm = 0.0_f64;
-        let (_, length) = goes_on(&machine, &items, (&plan, plant), PATIENCE, |record| {
+        let (_, length) = goes_on(machine, items, (&plan, plant), PATIENCE, |record| {
             observer.cycle(record);
             let at = slides(record);
             let off_mm = part.cut(at).unwrap_or(0.0);
@@ -230,15 +235,23 @@ fn a_mill_that_is_cut_in_any_cycle_finishes_its_part_and_nothing_else() {
         });
         assert!(length < PATIENCE, "{what}: the program does not end");
         let seen = observer.finish();
-        assert_eq!(
-            (seen.outcome, &seen.faults[..]),
-            (Outcome::Completed, &[][..]),
-            "{what}: {:?}",
-            plan.stands
-        );
+        let ended = (seen.outcome, &seen.faults[..]);
+        assert_eq!(ended, (Outcome::Completed, &[][..]), "{what}: {:?}", plan.stands);
         assert!(observed_mm < NEAR_MM, "{what}: {observed_mm:.3} mm off the path, {:?}", plan.way);
         assert!(part.is_complete(), "{what}: {:?} is not cut, {:?}", part.missing(), plan.stands);
-        most_mm = most_mm.max(observed_mm);
+        (plan, observed_mm)
+    }
+}
+
+#[test]
+fn a_mill_that_is_cut_in_any_cycle_finishes_its_part_and_nothing_else() {
+    let work = Work::new(mill(), program);
+    assert!(work.items.iter().any(|item| matches!(item.code, Code::Curve { .. })), "the ellipse is a curve");
+    let (mut random, mut stood, mut most_mm) = (Seed::new(239), [0; 4], 0.0_f64);
+    for _ in 0..count("PITCHLOCK_CUTS", CUTS) {
+        let [at, lost] = [random.within(1..work.cycles), random.within(0..4) * random.within(0..2)];
+        let (plan, off_mm) = work.finished(at, lost);
+        most_mm = most_mm.max(off_mm);
         stood[match plan.stands {
             Stands::OnRapid(_) => 0,
             Stands::OnContour(_) => 1,
@@ -248,6 +261,33 @@ fn a_mill_that_is_cut_in_any_cycle_finishes_its_part_and_nothing_else() {
     }
     println!("on a rapid, on a contour, over the part, at rest: {stood:?}; {most_mm:.4} mm off at most");
     assert!(stood[1] > 2, "{stood:?}");
+}
+
+/// Home is beside the part and lower than its top: the way over the part is as high as the program has led
+/// the tool.
+#[test]
+fn a_mill_whose_home_is_low_goes_over_its_part() {
+    let mut machine = mill();
+    machine.axis.get_mut(&Axis::Z).expect("a mill has Z").home_mm = -20.0;
+    let text = |path: &str| {
+        format!(
+            "G17 G21 G90 G94 {path}\nM3 S3000\nG0 Z30\nG0 X50 Y0\nG0 Z2\nG1 Z-5 F300\nG1 X60 F1500\nG1 X60 Y30\nG0 Z2\n\
+             G0 X80\nG1 Z-5 F300\nG1 X90 F1500\nG0 Z30\nM5\nM2\n"
+        )
+    };
+    let work = Work::new(machine, text);
+    let mut sideways = 0;
+    for share in 1..16 {
+        let (plan, _) = work.finished(work.cycles * share / 16, 0);
+        let ways: Vec<[f64; 3]> = plan.way.iter().filter_map(|item| item.code.target()).map(place).collect();
+        for pair in ways.windows(2) {
+            if pair[0][..2] != pair[1][..2] {
+                assert!(pair[0][2] >= 30.0, "{:?}: {ways:?}", plan.stands);
+                sideways += 1;
+            }
+        }
+    }
+    assert!(sideways > 4, "{sideways}");
 }
 
 /// The power goes again on the way up, over the part, and on the way down.
