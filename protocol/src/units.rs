@@ -46,9 +46,14 @@ impl Cycle {
         follows
     }
 
-    /// The cycle `n` cycles later.
+    /// The cycle `n` cycles later, or the last one that has a number: a damaged message may name that one.
+    ///
+    /// ```
+    /// use protocol::Cycle;
+    /// assert_eq!((Cycle(7).after(3), Cycle(u64::MAX - 1).after(3)), (Cycle(10), Cycle(u64::MAX)));
+    /// ```
     pub fn after(self, n: u64) -> Cycle {
-        Cycle(self.0 + n)
+        Cycle(self.0.saturating_add(n))
     }
 }
 

@@ -28,7 +28,7 @@ use crate::stand::compiled;
 const PROGRAM: &str =
     "G18 G21 G90 G8\nM3 S900\nG0 X12 Z12\nG0 X9\nG33 Z6 K1.5\nG0 X12\nG1 Z12 F3000\nM5\nM2\n";
 /// Of each packet in a run of the tests; `PITCHLOCK_PACKETS` asks for more.
-const PACKETS: u64 = 2000;
+const PACKETS: u64 = 10_000;
 /// Moments of the run at which modules are taken, and right messages behind the hostile one, control cycles.
 const MOMENTS: usize = 40;
 const BEHIND: usize = 12;
@@ -89,45 +89,45 @@ fn moments(machine: &Machine, items: &[Item], tape: &[Tape]) -> Vec<Moment> {
         observer: Observer::new(machine, items),
         supervisor: Supervisor::new(machine, items),
     };
-    let every = (tape.len() - BEHIND - 1) / MOMENTS;
+    // At ticks: there every module takes what it is sent.
+    let tick = machine.cycles_per_tick() as usize;
+    let every = (tape.len() - BEHIND - 1) / MOMENTS / tick * tick;
     let mut moments = Vec::new();
     for (at, cycle) in tape[..tape.len() - BEHIND].iter().enumerate() {
-        if at % every == every / 2 {
+        if at % every == 0 && moments.len() < MOMENTS {
             moments.push(Moment { at, ..moment.clone() });
         }
-        moment.regulate(cycle, 0);
-        moment.regulate(cycle, 1);
-        moment.interpolate(machine, cycle);
+        let [x, z] = &mut moment.regulators;
+        regulate(x, cycle, Axis::X);
+        regulate(z, cycle, Axis::Z);
+        interpolate(&mut moment.interpolator, machine, cycle, at);
         moment.plant.tick(&cycle.drives, &cycle.spindle, None);
-        moment.watch(cycle);
+        watch(&mut moment.observer, &mut moment.supervisor, cycle);
     }
     moments
 }
 
-impl Moment {
-    fn regulate(&mut self, cycle: &Tape, which: usize) {
-        let frame = cycle.frames[[Axis::X, Axis::Z][which].index()].as_ref();
-        let measurement = &cycle.truth.measurement.sealed();
-        let drive = self.regulators[which].tick(&regulator::In { measurement, frame }).drive;
-        let said = [drive.target_velocity_mm_s, drive.velocity_offset_mm_s, drive.torque_offset_nm];
-        assert!(said.iter().all(|number| number.is_finite()), "{drive:?}");
-    }
+fn regulate(regulator: &mut Regulator, cycle: &Tape, axis: Axis) {
+    let frame = cycle.frames[axis.index()].as_ref();
+    let measurement = &cycle.truth.measurement.sealed();
+    let drive = regulator.tick(&regulator::In { measurement, frame }).drive;
+    let said = [drive.target_velocity_mm_s, drive.velocity_offset_mm_s, drive.torque_offset_nm];
+    assert!(said.iter().all(|number| number.is_finite()), "{drive:?}");
+}
 
-    fn interpolate(&mut self, machine: &Machine, cycle: &Tape) {
-        if machine.is_tick(Cycle(self.at as u64)) || machine.is_tick(cycle.truth.cycle) {
-            let input = interpolator::In { measurement: &cycle.truth.measurement, axes: &cycle.statuses };
-            let out = self.interpolator.tick(&input);
-            let refused = out.map(|out| out.spindle.check());
-            assert!(refused.is_none_or(|checked| checked.is_ok()), "{refused:?}");
-        }
+fn interpolate(interpolator: &mut Interpolator, machine: &Machine, cycle: &Tape, at: usize) {
+    if machine.is_tick(Cycle(at as u64)) || machine.is_tick(cycle.truth.cycle) {
+        let input = interpolator::In { measurement: &cycle.truth.measurement, axes: &cycle.statuses };
+        let refused = interpolator.tick(&input).map(|out| out.spindle.check());
+        assert!(refused.is_none_or(|checked| checked.is_ok()), "{refused:?}");
     }
+}
 
-    /// What the launcher does with what it is told.
-    fn watch(&mut self, cycle: &Tape) {
-        let record = Record { truth: &cycle.truth, axes: &cycle.axes, machine: &cycle.status };
-        self.observer.cycle(&record);
-        let _ = self.supervisor.cycle(&record);
-    }
+/// What the launcher does with what it is told.
+fn watch(observer: &mut Observer, supervisor: &mut Supervisor, cycle: &Tape) {
+    let record = Record { truth: &cycle.truth, axes: &cycle.axes, machine: &cycle.status };
+    observer.cycle(&record);
+    let _ = supervisor.cycle(&record);
 }
 
 /// A message with one to three words of something else in it.
@@ -172,10 +172,11 @@ const ALL: [Packet; 11] = [
 
 /// One hostile packet, and right ones behind it.
 fn suffer(machine: &Machine, moment: &Moment, tape: &[Tape], packet: Packet, seed: &mut Seed) {
-    let (mut module, cycles) = (moment.clone(), &tape[moment.at..moment.at + BEHIND]);
+    let cycles = &tape[moment.at..moment.at + BEHIND];
     let mut first = cycles[0].clone();
     let which = seed.below(2);
-    let axis = [Axis::X, Axis::Z][which].index();
+    let name = [Axis::X, Axis::Z][which];
+    let axis = name.index();
     let mut request = None;
     match packet {
         Packet::Measurement | Packet::TickMeasurement => {
@@ -207,18 +208,30 @@ fn suffer(machine: &Machine, moment: &Moment, tape: &[Tape], packet: Packet, see
             return;
         }
     }
-    for cycle in std::iter::once(&first).chain(&cycles[1..]) {
-        match packet {
-            Packet::Measurement | Packet::Frame => module.regulate(cycle, which),
-            Packet::TickMeasurement | Packet::Status => module.interpolate(machine, cycle),
-            Packet::Drive | Packet::Spindle | Packet::Operator => {
-                module.plant.tick(&cycle.drives, &cycle.spindle, request.take());
-                let axes = module.plant.truth().axes;
+    let cycles = std::iter::once(&first).chain(&cycles[1..]);
+    match packet {
+        Packet::Measurement | Packet::Frame => {
+            let mut regulator = moment.regulators[which].clone();
+            cycles.for_each(|cycle| regulate(&mut regulator, cycle, name));
+        }
+        Packet::TickMeasurement | Packet::Status => {
+            let mut interpolator = moment.interpolator.clone();
+            (moment.at..)
+                .zip(cycles)
+                .for_each(|(at, cycle)| interpolate(&mut interpolator, machine, cycle, at));
+        }
+        Packet::Drive | Packet::Spindle | Packet::Operator => {
+            let mut plant = moment.plant.clone();
+            for cycle in cycles {
+                plant.tick(&cycle.drives, &cycle.spindle, request.take());
+                let axes = plant.truth().axes;
                 assert!(axes.iter().all(|axis| axis.motor_mm.is_finite()), "{axes:?}");
             }
-            _ => module.watch(cycle),
         }
-        module.at += 1;
+        _ => {
+            let (mut observer, mut supervisor) = (moment.observer.clone(), moment.supervisor.clone());
+            cycles.for_each(|cycle| watch(&mut observer, &mut supervisor, cycle));
+        }
     }
 }
 
