@@ -3,7 +3,6 @@
 use std::{
     collections::BTreeMap,
     fmt::Write as _,
-    io::Read as _,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -162,11 +161,12 @@ fn judge(
     machine: &Machine,
     gauge: Option<Nominal>,
 ) -> Result<Program, CliError> {
-    let mut text = None;
-    if path == Path::new(PIPE) {
-        let read = std::io::stdin().lock().read_to_end(text.insert(Vec::new()));
-        read.map_err(|error| CliError::file(path, error))?;
-    }
+    let text = if path == Path::new(PIPE) {
+        let read = intake::all(std::io::stdin().lock(), intake::SHOWN);
+        Some(read.map_err(|error| CliError::file(path, error))?)
+    } else {
+        None
+    };
     Program::judge(path, text, language, machine, gauge)
 }
 

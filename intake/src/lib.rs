@@ -7,6 +7,7 @@
 
 use std::{
     fs::{self, File, OpenOptions},
+    hash::{BuildHasher as _, RandomState},
     io::{Error, ErrorKind, Read, Result, Write},
     os::unix::fs::{FileTypeExt, OpenOptionsExt},
     path::{Path, PathBuf},
@@ -19,8 +20,6 @@ const NO_WAITING: i32 = 0o4000;
 const MEBI: u64 = 1 << 20;
 /// Most bytes of a machine file, a scenario, a description of a part, and what is kept beside a program.
 pub const SETTINGS: u64 = MEBI;
-/// Most bytes of a job, with all of its points.
-pub const JOB: u64 = 8 * MEBI;
 /// Most bytes of a tool table and of a file of parameters.
 pub const TABLE: u64 = 4 * MEBI;
 /// Most bytes of a `summary.json`: some ten thousand passes.
@@ -53,8 +52,16 @@ pub fn open(path: &Path) -> Result<File> {
 /// # Errors
 /// As [`open`]; and if it has more than `most` bytes.
 pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    all(open(path)?, most)
+}
+
+/// All bytes that come.
+///
+/// # Errors
+/// They cannot be read, or are more than `most`.
+pub fn all(reader: impl Read, most: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    reader.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         let most = if most < MEBI { format!("{} kB", most >> 10) } else { format!("{} MB", most / MEBI) };
         let text = format!("has more than {most}, the most that such a file may have: is it the right one?");
@@ -71,6 +78,23 @@ pub fn text(path: &Path, most: u64) -> Result<String> {
     String::from_utf8(bytes(path, most)?).map_err(|_| {
         Error::new(ErrorKind::InvalidData, "is not text in UTF-8: save it as such, or is it the right file?")
     })
+}
+
+/// A number that nobody can foresee: for a name that nobody else has taken before.
+#[must_use]
+pub fn unforeseen() -> u64 {
+    RandomState::new().hash_one(std::process::id())
+}
+
+/// A file for this user alone that has no name and is gone when it is closed: for what cannot be read twice.
+///
+/// # Errors
+/// The folder for temporary files takes none.
+pub fn unnamed() -> Result<File> {
+    let path = std::env::temp_dir().join(format!("pitchlock-{:016x}", unforeseen()));
+    let file = OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(&path)?;
+    fs::remove_file(&path)?;
+    Ok(file)
 }
 
 /// The name under which a file is written until it is whole.

@@ -171,7 +171,7 @@ impl Empty {
     fn new(asked: &RunArgs) -> Result<Empty, CliError> {
         let (machine, _) = asked.machine.read()?;
         // A name that nobody can foresee, and take.
-        let name = format!("{FOLDER}{:016x}", process::ipc::unforeseen());
+        let name = format!("{FOLDER}{:016x}", intake::unforeseen());
         let temporary = std::env::temp_dir();
         let folder = temporary.join(name);
         let path = folder.join(args::BY_HAND);

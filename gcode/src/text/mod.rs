@@ -11,7 +11,6 @@ pub(crate) mod job;
 mod number;
 mod operator;
 mod source;
-mod spool;
 mod tape;
 
 pub(crate) use comment::{parentheses, semicolon};

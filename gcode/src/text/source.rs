@@ -5,16 +5,17 @@
 //! within the buffer costs no system call. What cannot seek is spooled to an unnamed temporary file first.
 //! If the first line that is not blank holds a `%` alone, the program stands between it and the next such
 //! line; text that is no block may stand above the first. Bytes become UTF-8 here ([`super::encoding`]),
-//! UTF-16 at once and in memory: what comes after knows no other text. Padding of tapes (NUL, DEL) and of DOS
-//! (Ctrl-Z) at the ends of a line is left out, with all returns.
+//! UTF-16 at once, that of a file in a temporary one: what comes after knows no other text. Padding of tapes
+//! (NUL, DEL) and of DOS (Ctrl-Z) at the ends of a line is left out, with all returns.
 
-use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 
 use super::encoding::{self, ByteOrder};
 use super::ends::{line_end, too_long, unreadable};
-use super::{spool, tape};
+use super::tape;
 use crate::problem::Problem;
 
 /// Bytes that are read at once.
@@ -90,11 +91,17 @@ impl Source {
     /// # Errors
     /// The file cannot be opened or read.
     pub(crate) fn open(path: &Path, longest: usize) -> io::Result<Source> {
-        Ok(Source::new(&path.display().to_string(), Box::new(intake::open(path)?), longest, usize::MAX))
+        let file = encoding::file_in_utf8(intake::open(path)?)?;
+        Ok(Source::of_file(&path.display().to_string(), file, longest))
+    }
+
+    fn of_file(name: &str, file: File, longest: usize) -> Source {
+        Source::new(name, Box::new(file), longest, usize::MAX)
     }
 
     /// Reads a text.
     pub(crate) fn from_text(name: &str, text: Vec<u8>, longest: usize) -> Source {
+        let text = encoding::text_in_utf8(text);
         let room = text.len() + 1;
         Source::new(name, Box::new(Cursor::new(text)), longest, room)
     }
@@ -104,11 +111,10 @@ impl Source {
     /// # Errors
     /// The input cannot be read, or the temporary file cannot be made or written.
     pub(crate) fn from_reader(name: &str, mut reader: impl Read, longest: usize) -> io::Result<Source> {
-        let mut file = spool::unnamed_file()?;
+        let mut file = intake::unnamed()?;
         io::copy(&mut reader, &mut file)?;
-        file.flush()?;
         file.rewind()?;
-        Ok(Source::new(name, Box::new(file), longest, usize::MAX))
+        Ok(Source::of_file(name, encoding::file_in_utf8(file)?, longest))
     }
 
     /// `room`: no larger buffer is needed.
@@ -142,17 +148,8 @@ impl Source {
     /// Reads the first bytes: how the text is written, and what ends its lines.
     fn begin(&mut self) -> io::Result<()> {
         self.refill()?;
-        match ByteOrder::of(self.buffer.get(..self.filled).unwrap_or(&[])) {
-            ByteOrder::Unmarked => {}
-            ByteOrder::Utf8 => self.first = 3,
-            ByteOrder::Utf16(word) => {
-                let mut file = self.buffer.get(..self.filled).unwrap_or(&[]).to_vec();
-                self.input.read_to_end(&mut file)?;
-                self.input = Box::new(Cursor::new(encoding::from_utf16(&file, word)));
-                self.buffer = vec![0; BUFFER.max(2 * self.longest + 2)];
-                (self.base, self.next, self.filled) = (0, 0, 0);
-                self.refill()?;
-            }
+        if let ByteOrder::Utf8 = ByteOrder::of(self.buffer.get(..self.filled).unwrap_or(&[])) {
+            self.first = 3;
         }
         let text = self.buffer.get(..self.filled).unwrap_or(&[]);
         if text.contains(&b'\r') && !text.contains(&b'\n') {

@@ -12,7 +12,6 @@
 
 use std::{
     fs::{self, File},
-    hash::BuildHasher as _,
     io::{ErrorKind, Read, Write},
     os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt},
     path::{Path, PathBuf},
@@ -209,15 +208,9 @@ fn own_folder(base: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A number that nobody can foresee: for a name that nobody else has taken before.
-#[must_use]
-pub fn unforeseen() -> u64 {
-    std::hash::RandomState::new().hash_one(getpid().as_raw_pid())
-}
-
-/// Eight such digits.
+/// Eight digits that nobody can foresee.
 fn random() -> String {
-    format!("{:08x}", unforeseen() as u32)
+    format!("{:08x}", intake::unforeseen() as u32)
 }
 
 /// Takes the shared lock. Somebody who wipes may have been faster; then the marker is locked, or has no name

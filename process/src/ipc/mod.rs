@@ -52,7 +52,6 @@ mod wake;
 
 pub use channel::{Channel, Keep};
 pub use count::{ChannelCount, of_the_living, total};
-pub use folder::unforeseen;
 pub use layout::{Host, Layout, hosts};
 pub use member::Member;
 pub use name_space::NameSpace;
