@@ -351,17 +351,25 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
 }
 
 #[test]
-fn a_run_that_still_goes_on_is_not_gone_on_with() {
+fn a_run_that_still_goes_on_is_left_alone() {
     let place = Place::new();
     let program = place.write("screw.ngc", PROGRAM).display().to_string();
     let mut command = place.pitchlock();
     command.args(["run", &program, "--in-process", "--pace", "0.05", "--out", "run", "--quiet"]);
     let mut launcher = command.spawn().expect("it starts");
     until("it runs", || recorded(&place.at("run")) > 0);
-    let answer = place.ask(&["run", "run", "--resume"]);
-    assert!(answer.status == Some(2) && answer.stderr.contains("still goes on"), "{}", answer.stderr);
-    let answer = place.ask(&["report", "run"]);
-    assert!(answer.status == Some(2) && answer.stderr.contains("still goes on"), "{}", answer.stderr);
+    for (arguments, words) in [
+        (&["run", "run", "--resume"][..], "still goes on"),
+        (&["report", "run"], "still goes on"),
+        (&["run", &program, "--in-process", "--out", "run"], "another run writes into this folder"),
+    ] {
+        let answer = place.ask(arguments);
+        assert!(
+            answer.status == Some(2) && answer.stderr.contains(words),
+            "{arguments:?}: {}",
+            answer.stderr
+        );
+    }
     signal(launcher.id(), "KILL");
     launcher.wait().expect("it was started here");
     let answer = place.ask(&["run", "run", "--resume", "--dry-run"]);

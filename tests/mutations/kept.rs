@@ -28,7 +28,7 @@ impl Medium for Memory {
 }
 
 /// The summary of a short run.
-fn summaries() -> Vec<Vec<u8>> {
+pub(super) fn summaries() -> Vec<Vec<u8>> {
     let machine = Machine::plain();
     let program = "G18 G21 G90 G94 G8\nG0 X50 Z90\nG1 X50.1 F3000\nM2\n";
     let items = interpreter::check("short.ngc", program, &machine).items;

@@ -201,3 +201,16 @@ fn every_file_of_the_workspace_is_seen() {
         assert!(sources.iter().any(|source| source == Path::new(path)), "{path}");
     }
 }
+
+/// A number that overflows ends its process in a release as well: it moves no axis to somewhere else.
+#[test]
+fn overflow_is_looked_for_in_releases() {
+    let manifest: toml::Table = toml::from_str(&read(Path::new("Cargo.toml"))).expect("it is a manifest");
+    let checks =
+        |path: &[&str]| path.iter().try_fold(&manifest["profile"], |table, key| table.get(key)).cloned();
+    assert_eq!(checks(&["release", "overflow-checks"]), Some(true.into()));
+    let profiles = manifest["profile"].as_table().expect("profiles");
+    for (name, profile) in profiles.iter().filter(|(name, _)| *name != "release") {
+        assert_ne!(profile.get("overflow-checks"), Some(&false.into()), "{name}");
+    }
+}

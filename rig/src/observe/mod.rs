@@ -14,6 +14,7 @@ mod contour;
 mod corrected;
 mod cutting;
 mod faults;
+mod few;
 mod full;
 mod gauged;
 mod gauges;

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     AnalogReport, Channel, CuttingReport, GaugeReport, GrooveReport, LimitsUsed, MessageReport, PartReport,
     PauseReport, ProgramWarning, RealTimeReport, ResumedReport, SignalReport, StockReport, TapReport,
-    ThreadReport, ToolNote, ToolReport, TraceReport,
+    ThreadReport, ToolNote, ToolReport, TraceReport, few::few,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -309,7 +309,7 @@ pub struct Summary {
     /// The processes of the run.
     pub processes: Vec<Process>,
     /// In real time, what the processes with deadlines say of themselves.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, deserialize_with = "few", skip_serializing_if = "Vec::is_empty")]
     pub real_time: Vec<RealTimeReport>,
     /// The channels of the run.
     pub channels: Vec<Channel>,
@@ -344,7 +344,7 @@ pub struct Summary {
     /// Timed motion.
     pub moves: MovesReport,
     /// Contours, surfaces and seams as they were cut; of more than 200 those with the largest deviation.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, deserialize_with = "few", skip_serializing_if = "Vec::is_empty")]
     pub traces: Vec<TraceReport>,
     /// More of them, each with less deviation than those.
     #[serde(default, skip_serializing_if = "super::channels::is_zero")]
