@@ -1,8 +1,9 @@
 //! The journal of a run, written by a thread of its own: in its folder there is at any time what the control
 //! knows.
 //!
-//! Nothing waits for the disk: what the thread cannot take yet is kept back, and the newest takes its place.
-//! What comes soon after the disk was asked is written at once, and confirmed with what follows.
+//! The first record is written before anything moves. From there on nothing waits for the disk: what the
+//! thread cannot take yet is kept back, and the newest takes its place. What comes soon after the disk was
+//! asked is written at once, and confirmed with what follows.
 
 use std::{
     io,
@@ -77,6 +78,9 @@ pub(crate) struct Journal {
     to_disk: SyncSender<State>,
     thread: JoinHandle<io::Result<()>>,
     kept_back: Option<State>,
+    /// Ends when the first record is written.
+    first: Receiver<()>,
+    begun: bool,
 }
 
 impl Journal {
@@ -85,11 +89,12 @@ impl Journal {
         let path = folder.join(JOURNAL);
         let book = Spared::create(&path).map(Book::new).map_err(|error| CliError::file(&path, error))?;
         let (to_disk, news) = sync_channel(WAITING);
+        let (begins, first) = sync_channel(0);
         let gather = if fast { GATHER_FAST } else { GATHER };
         let thread = std::thread::Builder::new().name("journal".into());
-        let thread = thread.spawn(move || write(&news, book, gather));
+        let thread = thread.spawn(move || write(&news, book, gather, begins));
         let thread = thread.map_err(|error| CliError::Machine(error.to_string()))?;
-        Ok(Journal { keeper, to_disk, thread, kept_back: None })
+        Ok(Journal { keeper, to_disk, thread, kept_back: None, first, begun: false })
     }
 
     /// Takes one control cycle.
@@ -101,6 +106,10 @@ impl Journal {
         let Some(news) = &self.kept_back else { return };
         if !matches!(self.to_disk.try_send(*news), Err(TrySendError::Full(_))) {
             self.kept_back = None;
+            // Before anything moves: a journal is never without a whole record.
+            if !std::mem::replace(&mut self.begun, true) {
+                let _ = self.first.recv();
+            }
         }
     }
 
@@ -115,8 +124,14 @@ impl Journal {
 }
 
 /// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what
-/// follows.
-fn write(news: &Receiver<State>, mut book: Book<Spared>, gather: Duration) -> io::Result<()> {
+/// follows. Whoever waits for the first one waits for the end of `begins`.
+fn write(
+    news: &Receiver<State>,
+    mut book: Book<Spared>,
+    gather: Duration,
+    begins: SyncSender<()>,
+) -> io::Result<()> {
+    let mut begins = Some(begins);
     // When the disk was asked last, and whether something waits for it.
     let (mut asked, mut waits) = (None::<Moment>, false);
     // Why the last one could not be written. The next one is tried again: it is a whole state.
@@ -131,6 +146,7 @@ fn write(news: &Receiver<State>, mut book: Book<Spared>, gather: Duration) -> io
             Ok(first) => {
                 for state in std::iter::once(first).chain(news.try_iter()) {
                     failed = book.write(&state).err();
+                    drop(begins.take());
                 }
                 waits = true;
             }
