@@ -11,11 +11,15 @@ impl Observer {
     /// thread in which it stands counts for the gauge.
     pub fn run_down(&mut self, truth: &Truth) {
         let Some(pass) = &self.current else { return };
+        let off_helix = pass.off_helix(truth);
         self.rings.part_from(&self.gauged);
-        self.gauged.iter_mut().for_each(|gauged| gauged.cycle(pass.pass(), truth));
-        self.grooved.iter_mut().for_each(|grooved| grooved.cycle(pass.pass(), truth));
+        // Before the face of its part a tool turns in the air, as far as its flanks do not reach.
+        if off_helix.is_some() || pass.pass().returns() {
+            self.gauged.iter_mut().for_each(|gauged| gauged.cycle(pass.pass(), truth));
+            self.grooved.iter_mut().for_each(|grooved| grooved.cycle(pass.pass(), truth));
+        }
         let origin_mm = pass.origin_mm().map_or(0.0, |[_, z]| z);
-        let tool = Coasting { pass: pass.pass().pass, origin_mm, off_helix: pass.off_helix(truth) };
+        let tool = Coasting { pass: pass.pass().pass, origin_mm, off_helix };
         self.rings.coast(tool, truth, self.out.part_error_um);
     }
 

@@ -93,3 +93,20 @@ fn nothing_but_rings_is_wrong_with_a_thread_that_lost_its_power() {
     }
     assert!(rings > 0, "no tool stood in its groove");
 }
+
+/// A tool that stands so far in front of the face that its flanks do not reach it cuts no ring, and the
+/// thread that is finished is good; nearer it cuts one, and that is told.
+#[test]
+fn a_tool_that_coasts_in_front_of_the_face_cuts_no_ring() {
+    let machine = Machine::default();
+    let items = compiled(&machine, PROGRAM);
+    let mut told = [0; 2];
+    for at in (8445..8645).step_by(25) {
+        let (seen, _) = gone_on(&machine, &items, at, 0);
+        let (report, gauge) = (seen.resumed.expect("it goes on"), seen.gauge.expect("it is asked for"));
+        let is_good = gauge.verdict == PartVerdict::Good;
+        assert_eq!(report.rings.is_empty(), is_good, "cycle {at}: {:?} {:?}", report.rings, gauge.reasons);
+        told[usize::from(is_good)] += 1;
+    }
+    assert!(told[0] > 0 && told[1] > 1, "{told:?}");
+}
