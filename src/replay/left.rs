@@ -76,9 +76,11 @@ impl Left {
             );
             return Err(CliError::file(dir, text));
         }
-        if arrivals.real_time || summary.as_ref().is_some_and(|summary| summary.clock == "real") {
-            let text =
-                "ran in real time: what its machine did cannot be made again up to where it was broken off";
+        let in_real_time =
+            arrivals.real_time || summary.as_ref().is_some_and(|summary| summary.clock == "real");
+        if in_real_time && !arrivals.ended {
+            let text = "ran in real time, and its record has no end: what reached its modules last is not known, so its machine \
+                        cannot be made again up to where it was broken off";
             return Err(CliError::file(dir, text));
         }
         let seed = summary.as_ref().map(|summary| summary.seed);

@@ -7,6 +7,7 @@ use rig::observe::{Channel, Outcome, Summary};
 
 use crate::endings::{command, ends, pid_of, runs, slow_machine};
 use crate::replay::{arrivals, is_the_same_again};
+use crate::resume::killed;
 use crate::shop::{Answer, Place, alive, name_spaces, shared_memory, signal, wait_s};
 
 /// A control cycle of the slow machine, s.
@@ -184,4 +185,38 @@ fn what_real_time_needs_is_told_and_a_strict_one_does_not_start_without_it() {
     for item in refused {
         assert!(answer.stderr.contains(&item.what), "{}: {}", item.what, answer.stderr);
     }
+}
+
+/// In real time the machine of a run that came to rest by itself is made again by its record; that of one
+/// whose processes were all killed is not, whose record has no end.
+#[test]
+fn a_run_in_real_time_is_gone_on_with_unless_it_was_killed() {
+    let place = Place::new();
+    place.write("machine.toml", slow_machine());
+    let text = "G18 G21 G90 G94\nG0 X50 Z90\nG1 X49 F600\nG4 P60\nG1 X48\nM2\n";
+    let program = place.write("program.ngc", text).display().to_string();
+    place.write("abort.toml", "[[event]]\nat = { time_s = 2.5 }\nabort = true\n");
+    let real = ["--clock", "real", "--machine", "machine.toml", "--scenario", "abort.toml"];
+    let attempt = || {
+        place.clear("run");
+        let run = [&["run", &program, "--out", "run", "--quiet", "--trace", "none"][..], &real].concat();
+        let broken = place.ask(&run);
+        assert_eq!(broken.status, Some(1), "{}", broken.stderr);
+        place.clear("on");
+        let on = place.ask(&["run", "run", "--resume", "--out", "on", "--trace", "none"]);
+        // On a computer with too much to do the launcher misses a part of the record.
+        let has_gap = on.status == Some(2) && on.stderr.contains("has a gap");
+        assert!(has_gap || on.status == Some(0), "{}", on.stderr);
+        !has_gap
+    };
+    assert!((0..5).any(|_| attempt()), "five records had a gap");
+    let on = Summary::read(&place.at("on/summary.json")).expect("it has one");
+    assert_eq!(
+        (on.outcome, &on.clock[..], on.resumed.map(|on| on.line)),
+        (Outcome::Completed, "virtual", Some(3))
+    );
+    is_the_same_again(&place, "on");
+    assert!(killed(&place, 300, &[&real[..4], &[&program]].concat()), "it is killed in its dwell");
+    let answer = place.ask(&["run", "run", "--resume", "--out", "never"]);
+    assert!(answer.status == Some(2) && answer.stderr.contains("ran in real time"), "{}", answer.stderr);
 }
