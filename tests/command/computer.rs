@@ -64,7 +64,7 @@ fn shared_memory_that_is_filled_during_a_run_ends_no_process() {
     let program = example("m20x2").display().to_string();
     let script = format!(
         "mount -t tmpfs -o mode=1777,size=16m tmpfs /dev/shm; \"$0\" run {program} --json --out run & \
-         until [ -e run/trace.mcap ]; do sleep 0.01; done; sleep 0.05; \
+         until [ -s run/moment.bin ]; do sleep 0.01; done; \
          dd if=/dev/zero of=/dev/shm/full bs=64k 2>/dev/null; wait $!"
     );
     let answer = Answer::from(private(&place, &script).output().expect("sh"));
