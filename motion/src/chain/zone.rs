@@ -18,7 +18,7 @@
 //! ```
 //! What one takes of them the others lose. Of the accelerations in a row, each with the shortest pulse of jerk, j =
 //! 2a/t and d = 2πa/t², that is taken whose ramp from rest to v takes least time; then d and j are as large as they
-//! may be beside it                                                                               (M191)
+//! may be beside it                                                                               (M193)
 //!
 //! Every term of M55 then fits beside the others, whatever their signs, because their peaks do not come
 //! together. Where a pulse of sin² jerk between no acceleration and its peak has come to x,
@@ -201,7 +201,7 @@ impl<const N: usize> Bend<N> {
         v.min(over(chord_v2, norm(k2)).sqrt())
     }
 
-    /// What the bends leave at a speed up to the highest one (M66, M191).
+    /// What the bends leave at a speed up to the highest one (M66, M193).
     fn left(&self, axes: &[Limits; N], v: f64) -> Limits {
         let Bend([k1, k2, k3, k4]) = self;
         let v2 = v * v;
@@ -281,7 +281,7 @@ mod tests {
     /// Whatever the bends of a stretch, and whichever of its limits a pulse uses up: every axis keeps its own with
     /// all terms of M55 of one sign; and no limit is left unused beside the others.
     #[test]
-    fn m191_pulses_within_what_bends_leave_keep_the_limits_of_the_axes() {
+    fn m193_pulses_within_what_bends_leave_keep_the_limits_of_the_axes() {
         for case in 0..2000 {
             let mut random = Seed::of_case(case);
             let mut ten = |low: f64, high: f64| libm::exp10(random.between(low, high));
