@@ -16,9 +16,9 @@
 //! k₁j ≤ J′ − 0.66 · 3k₂va
 //! k₁d ≤ D′ − 0.93 e − 0.57 · 4k₂vj,  4k₂vj ≤ 0.4 D′,  or with e ≤ 0.4 D′ 0.615 and 0.6 for both    (M66)
 //! ```
-//! What one takes of them the others lose. Of the accelerations in a row, each with the shortest pulse of jerk, j =
-//! 2a/t and d = 2πa/t², that is taken whose ramp from rest to v takes least time; then d and j are as large as they
-//! may be beside it                                                                               (M193)
+//! What one takes of them the others lose. Of the accelerations in a row, each with the shortest pulse of
+//! jerk, j = 2a/t and d = 2πa/t², that is taken whose ramp from rest to v takes least time; then d and j are
+//! as large as they may be beside it                                                                (M193)
 //!
 //! Every term of M55 then fits beside the others, whatever their signs, because their peaks do not come
 //! together. Where a pulse of sin² jerk between no acceleration and its peak has come to x,
@@ -160,9 +160,13 @@ impl<const N: usize> Bend<N> {
         let [turn, peaks @ ..] = blend.peaks();
         let [shares, own @ ..] = &mut self.0;
         for i in 0..N {
-            // A corner alone turns p₁ between both directions; jumps of curvature add to it.
-            let beyond = (turn[i] - 0.5 * blend.corner()[i].abs()).max(0.0);
-            shares[i] = shares[i].max(other[i]) + beyond;
+            // A corner alone turns p₁ between both directions; jumps of curvature add to it, and so does the
+            // bend of the path: at x from the corner the first has come to |Δ₁|/2 (1 − x/r) at most, and what p₁
+            // was at the corner has changed by k₂x.
+            let corner = 0.5 * blend.corner()[i].abs();
+            let beyond = (turn[i] - corner).max(0.0);
+            let bent = corner.min(0.125 * own[0][i] * blend.half());
+            shares[i] = shares[i].max(other[i]) + beyond + bent;
         }
         for (own, peaks) in own.iter_mut().zip(&peaks) {
             own.iter_mut().zip(peaks).for_each(|(own, peak)| *own += peak);
@@ -246,7 +250,9 @@ impl<const N: usize> Bend<N> {
 #[cfg(test)]
 mod tests {
     use super::{ACCELERATION, BESIDE_JERK, BESIDE_RATE, Bend, RATES, SAME};
+    use crate::blend::Blend;
     use crate::limits::Limits;
+    use crate::path::Path;
     use core::f64::consts::PI;
     use testing::Seed;
 
@@ -278,8 +284,41 @@ mod tests {
         }
     }
 
-    /// Whatever the bends of a stretch, and whichever of its limits a pulse uses up: every axis keeps its own with
-    /// all terms of M55 of one sign; and no limit is left unused beside the others.
+    /// However two arcs meet in a blended corner: no axis has a larger share in the way than is told.
+    #[test]
+    fn m66_shares_of_a_corner_between_arcs_are_bounds() {
+        for case in 0..2000 {
+            let mut random = Seed::of_case(case);
+            let (radius, from) = (random.between(1.0, 50.0), random.between(0.0, 6.3));
+            let arc = |from: f64, radius: f64, sweep: f64| {
+                let place = |angle: f64| [radius * libm::cos(angle), radius * libm::sin(angle)];
+                Path::arc([0, 1], place(from), place(from + sweep), 1, [0.0; 2], &[true; 2]).expect("an arc")
+            };
+            let (sweep, turn) = (random.between(0.1, 2.0), random.between(-0.1, 0.1));
+            let paths = [
+                arc(from, radius, sweep),
+                arc(from + sweep + turn, random.between(0.8, 1.25) * radius, random.between(0.1, 2.0)),
+            ];
+            let jumps = paths[0].jumps(&paths[1]);
+            let shorter = paths[0].length().min(paths[1].length());
+            let blend = Blend::new(jumps, Blend::half_within(&jumps, 0.2, 0.5 * shorter));
+            let bound = |here: usize| Bend::of(&paths[here]).with(&blend, &paths[1 - here].shares()).0[0];
+            for (here, side) in [(0, -1.0), (1, 1.0)] {
+                for step in 1..=100 {
+                    let from_corner = side * blend.half() * f64::from(step) / 100.0;
+                    let mut p =
+                        paths[here].at(if here == 0 { paths[0].length() + from_corner } else { from_corner });
+                    blend.add(from_corner, &mut p);
+                    for (p1, share) in p[1].iter().zip(bound(here)) {
+                        assert!(p1.abs() <= share * (1.0 + SAME), "{p1} over {share} in case {case}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whatever the bends of a stretch, and whichever of its limits a pulse uses up: every axis keeps its own
+    /// with all terms of M55 of one sign; and some limit is used up.
     #[test]
     fn m193_pulses_within_what_bends_leave_keep_the_limits_of_the_axes() {
         for case in 0..2000 {
