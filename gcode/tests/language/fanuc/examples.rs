@@ -10,7 +10,7 @@ fn examples_are_sound() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let mut options = fanuc();
         options.tools =
-            gcode::files::ToolTable::parse("tools", "T1 D1.6 Q3\nT2 D0.8 Q3\nT3 Q8\nT4 Q8\n").unwrap();
+            gcode::files::ToolTable::parse("tools", "T1 D1.6 Q3\nT2 D0.8 Q3\nT3 Q8\nT4 Q8\nT5 Q7\n").unwrap();
         let path = entry.unwrap().path();
         let outcome = run(Program::open(&path, &options).unwrap());
         let said: Vec<String> = outcome
@@ -23,5 +23,5 @@ fn examples_are_sound() {
         assert!(outcome.sink.moves.len() > 30, "{}", path.display());
         count += 1;
     }
-    assert_eq!(count, 6);
+    assert_eq!(count, 7);
 }
