@@ -20,7 +20,9 @@ fn examples_are_sound() {
             .map(|diagnostic| diagnostic.render(false))
             .collect();
         assert!(said.is_empty(), "{}", said.concat());
-        assert!(outcome.sink.moves.len() > 30, "{}", path.display());
+        // A tap is a call of its own, between few moves.
+        let least = if path.ends_with("tap-peck.nc") { 3 } else { 30 };
+        assert!(outcome.sink.moves.len() > least, "{}: {}", path.display(), outcome.sink.moves.len());
         count += 1;
     }
     assert_eq!(count, 7);
