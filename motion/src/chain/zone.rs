@@ -75,8 +75,8 @@ impl<const N: usize> Bend<N> {
         let [shares, own @ ..] = &mut self.0;
         for i in 0..N {
             // A corner alone turns p₁ between both directions; jumps of curvature add to it, and so does the
-            // bend of the path: at x from the corner the first has come to |Δ₁|/2 (1 − x/r) at most, and what p₁
-            // was at the corner has changed by k₂x.
+            // bend of the path: at x from the corner the first has come to |Δ₁|/2 (1 − x/r) at most, and what
+            // p₁ was at the corner has changed by k₂x.
             let corner = 0.5 * blend.corner()[i].abs();
             let beyond = (turn[i] - corner).max(0.0);
             let bent = corner.min(0.125 * own[0][i] * blend.half());
