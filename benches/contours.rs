@@ -206,11 +206,11 @@ fn program(points: &[Point], mode: &str, decimals: usize, feed_mm_min: f64) -> S
 }
 
 /// Seconds that a program along points takes from the first of them on.
-fn time(machine: &Machine, points: &[Point], mode: &str, decimals: usize) -> f64 {
+fn time(machine: &Machine, points: &[Point], mode: &str, decimals: usize, feed_mm_min: f64) -> f64 {
     let [start, whole] = [1, points.len()].map(|count| {
         let check = interpreter::check(
             "contour.ngc",
-            &program(&points[..count], mode, decimals, FEED_MM_MIN),
+            &program(&points[..count], mode, decimals, feed_mm_min),
             machine,
         );
         assert!(check.is_good(), "{:?}", check.diagnostics);
@@ -313,8 +313,8 @@ fn main() {
     for (name, points) in &contours {
         let way: f64 = points.windows(2).map(|pair| norm(&less(&pair[1], &pair[0]))).sum();
         print!("{name:<20} {:>6} {:>8.2}", points.len() - 1, 60.0 * way / FEED_MM_MIN);
-        MODES.iter().for_each(|mode| print!(" {:>12.2}", time(&machine, points, mode, 5)));
-        println!(" {:>14.2}", time(&machine, points, "P0.01", 3));
+        MODES.iter().for_each(|mode| print!(" {:>12.2}", time(&machine, points, mode, 5, FEED_MM_MIN)));
+        println!(" {:>14.2}", time(&machine, points, "P0.01", 3, FEED_MM_MIN));
     }
     println!("\n{:<20} {:>8} {:>8} {:>8} {:>6}", "P0.01", "planned", "2 h", "h", "ratio");
     // Known: 20/F + F/A + A/J + J/D of the X axis, 0.268 s.

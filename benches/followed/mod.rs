@@ -16,7 +16,7 @@ use protocol::Axis;
 use rig::{Rig, observe::Record};
 use sim_plant::Scenario;
 
-use super::{FEED_MM_MIN, Point, less, norm, program};
+use super::{FEED_MM_MIN, Point, less, norm, program, time};
 
 /// What commit 015c7cf4 did at 6 m/min, before anything was done about contours in lines: seconds foretold,
 /// and of ten seeds the largest contour error, its rms, how far the slides were from the lines at most, µm.
@@ -123,29 +123,19 @@ fn seen(points: &[Point], feed_mm_min: f64, machine: &Machine, seeds: u64) -> Se
     seen
 }
 
-/// The time that is foretold from the first of points on at a feed, s.
-fn foretold(points: &[Point], feed_mm_min: f64, machine: &Machine) -> f64 {
-    let [start, whole] = [1, points.len()].map(|count| {
-        let text = program(&points[..count], "P0.01", 5, feed_mm_min);
-        interpreter::check("contour.ngc", &text, machine).time_s
-    });
-    whole - start
-}
-
 /// The feed at which points take so long; 6 m/min where they take as long then or longer.
 fn feed_of(points: &[Point], seconds: f64, machine: &Machine) -> f64 {
     let (mut low, mut high) = (FEED_MM_MIN / 50.0, FEED_MM_MIN);
     let mut feed = high;
     loop {
-        let time = foretold(points, feed, machine);
-        if !seconds.is_finite()
-            || (time / seconds - 1.0).abs() < SAME
+        let takes = time(machine, points, "P0.01", 5, feed);
+        if (takes / seconds - 1.0).abs() < SAME
             || high - low < 0.1
-            || (feed == FEED_MM_MIN && time > seconds)
+            || (feed == FEED_MM_MIN && takes > seconds)
         {
             return feed;
         }
-        if time < seconds {
+        if takes < seconds {
             high = feed
         } else {
             low = feed
@@ -166,7 +156,7 @@ pub(crate) fn beside(seeds: u64, contours: &[(&str, Vec<Point>)], machine: &Mach
         let moved_s = seen.cycles as f64 * machine.general.cycle_s / seeds as f64;
         println!(
             "{name:<20} {feed:>8.0} {:>8.2} {:>8.2} {:>8.2} {:>8.2} {moved_s:>8.2}   {:.2} {:.2} {:.2} {:.2}",
-            foretold(points, feed, machine),
+            time(machine, points, "P0.01", 5, feed),
             1e3 * seen.max_mm,
             1e3 * (seen.squares / seen.cycles as f64).sqrt(),
             1e3 * seen.off_mm,

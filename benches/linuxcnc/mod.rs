@@ -89,7 +89,8 @@ pub(crate) fn beside(sources: &Path, contours: &[(&str, Vec<Point>)], machine: &
         "contour", "LinuxCNC", "a/A", "j/J", "off, um", "pitchlock", "ratio", "its jerk", "ratio"
     );
     for ((name, points), row) in contours.iter().zip(found(sources, &written(contours, machine))) {
-        let [ours, at_its_jerk] = [machine, &loose].map(|machine| time(machine, points, "P0.01", DECIMALS));
+        let [ours, at_its_jerk] =
+            [machine, &loose].map(|machine| time(machine, points, "P0.01", DECIMALS, FEED_MM_MIN));
         println!(
             "{name:<20} {:>9.2} {:>6.2} {:>6.1} {:>7.1} {ours:>10.2} {:>6.2} {at_its_jerk:>9.2} {:>6.2}",
             row.time_s,
