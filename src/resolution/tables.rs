@@ -193,17 +193,18 @@ pub(super) fn sentences(asked: &Asked, verdicts: &[Verdict]) -> Vec<String> {
         })
         .collect();
     let unseen = unseen::of(asked);
+    let counts_alone = !unseen.iter().any(Unseen::limits);
     if coarse.is_empty() {
-        let all = if unseen.iter().any(Unseen::limits) { "every count" } else { "everything" };
+        let all = if counts_alone { "everything" } else { "every count" };
         lines.push(format!("{all} is fine enough"));
     }
-    lines.extend(finest(asked));
-    lines.extend(unseen::sentences(asked));
+    lines.extend(finest(asked, counts_alone));
+    lines.extend(unseen::sentences(asked, &unseen));
     lines
 }
 
-/// The finest grade that the coarsest measured position resolves.
-fn finest(asked: &Asked) -> Option<String> {
+/// The finest grade that the coarsest measured position resolves; `counts_alone`: nothing else limits it.
+fn finest(asked: &Asked, counts_alone: bool) -> Option<String> {
     let (_, size_mm) = asked.parts.grade?;
     let um = |needs: &AxisNeeds| {
         let count = needs.position_step();
@@ -216,7 +217,7 @@ fn finest(asked: &Asked) -> Option<String> {
     let needed = three(um(coarsest));
     let positions =
         coarsest.axis.as_ref().map_or("positions".into(), |(axis, _)| format!("positions of {axis}"));
-    let counts = if unseen::of(asked).iter().any(Unseen::limits) { "by counts alone " } else { "" };
+    let counts = if counts_alone { "" } else { "by counts alone " };
     let fit = format!("{counts}{positions} do for tolerances of {needed} µm and more");
     Some(match Grade::not_finer_than(um(coarsest), size_mm) {
         Some(grade) => format!("{fit}, {grade} at {size_mm} mm"),

@@ -92,8 +92,7 @@ fn range(screw: &Screw, [from, to]: [f64; 2]) -> f64 {
 }
 
 /// What limits the accuracy besides counts, and of which screws nothing is known.
-pub(super) fn sentences(asked: &Asked) -> Vec<String> {
-    let unseen = of(asked);
+pub(super) fn sentences(asked: &Asked, unseen: &[Unseen]) -> Vec<String> {
     let limits: Vec<&Unseen> = unseen.iter().filter(|unseen| unseen.limits()).collect();
     let mut lines: Vec<String> = limits.iter().map(|unseen| unseen.sentence()).collect();
     if limits.iter().any(|unseen| unseen.cause == Cause::LostMotion) {
