@@ -64,7 +64,7 @@ const origin = () => state.origin_mm || state.machine?.origin_mm;
 
 function show(news) {
   if (news.machine || news.program) {
-    const { machine = {}, program = {} } = state;
+    const machine = state.machine || {}, program = state.program || {};
     $("machine").textContent = machine.name || "pitchlock";
     $("program").textContent = [program.name, program.folder, machine.pace && "pace " + machine.pace].filter(Boolean).join(" · ");
     document.title = (program.name || "pitchlock") + " · pitchlock";
@@ -80,7 +80,7 @@ function show(news) {
   const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused" }[state.state];
   document.querySelector(".state").className = "state " + (kind || (["ready", "ended"].includes(state.state) ? "" : "run"));
   const parts = [];
-  if (state.time_s !== undefined) parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
+  if (typeof state.time_s === "number") parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
   if (state.pass) parts.push(`pass ${state.pass} of ${state.program?.passes ?? "?"}, depth ${number(state.depth_mm, 3)} mm`);
   if (state.left_s !== undefined && state.left_s !== null && state.state !== "ready" && !state.by_hand) parts.push(clock(state.left_s) + " to go at 100 %");
   if (state.tool) parts.push(["T" + state.tool, state.tool_name].filter(Boolean).join(" "));
@@ -251,11 +251,15 @@ function letGo() {
 // A recording.
 let sought = false;
 function player() {
-  const { of, speed, until_s, outcome } = state.playback;
+  const { of, speed, until_s, outcome, changed, same } = state.playback;
   document.querySelector(".player").hidden = false;
   document.body.className = "recording";
   document.title = "recording · " + of;
   $("playback").textContent = `${of}, ${outcome}: ${number(state.time_s ?? 0, 3)} of ${number(until_s, 3)} s, cycle ${state.cycle ?? 0}, ${speed ? speed + " times as fast" : speed === 0 ? "stands" : "goes there"}.`;
+  const other = [changed.length ? `The folder was changed: ${changed.join(", ")} not as in the run that was recorded.` : "",
+    same === false ? "At its end it is another run than the recorded one: pitchlock replay says where they differ." : same ? "To its end it is bit for bit what was recorded." : ""];
+  $("other").textContent = other.filter(Boolean).join(" ");
+  $("other").className = same === false || changed.length && !same ? "no" : "";
   $("play").textContent = speed ? "Pause" : "Play";
   $("seek").max = until_s;
   if (!sought) $("seek").value = state.time_s ?? 0;
@@ -267,6 +271,7 @@ const across = (letter) => (letter === "X" && lathe() ? 2 : 1);
 function offsets() {
   const all = state.offsets || {}, unit = all.units || "mm", letters = (state.machine?.axes || ["X", "Z"]).filter((name) => "XYZABC".includes(name));
   $("kept").textContent = all.unknown || [all.parameters, all.tools].filter(Boolean).join(" · ") || "no parameter file, no tool table";
+  $("left-out").textContent = all.tools_left_out ? `${all.tools_left_out} more tools of the table are not shown here: pitchlock offsets list has them.` : "";
   const title = (letter) => (across(letter) === 2 ? letter + "⌀" : letter), words = [...letters, ...(lathe() ? ["D", "Q"] : ["D"])];
   const head = (table, names) => {
     const row = document.createElement("tr");

@@ -5,6 +5,19 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// Fields that are shown beside those of [`Seen`].
+const BESIDE: [&str; 8] = ["machine", "program", "mode", "recording", "by_hand", "offsets", "way", "outcome"];
+
+/// Every field that is shown of a machine, null: nothing is known yet.
+pub(crate) fn nothing() -> Map<String, Value> {
+    let (passes, messages, faults) = (Some(Vec::new()), Some(Vec::new()), Some(Vec::new()));
+    let seen = serde_json::to_value(Seen { passes, messages, faults, ..Seen::default() });
+    let seen = seen.ok().and_then(|seen| seen.as_object().cloned()).unwrap_or_default();
+    let names = seen.into_iter().map(|(name, _)| name).chain(BESIDE.map(str::to_owned));
+    names.map(|name| (name, Value::Null)).collect()
+}
 
 /// What stays the same during a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

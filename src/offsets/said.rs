@@ -11,6 +11,9 @@ pub(super) const SYSTEMS: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59",
 /// Words of a system: the first ones are its zero, the last one turns it.
 pub(super) const OF_SYSTEM: [char; 7] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'R'];
 
+/// The files keep six decimals.
+const LEAST: f64 = 1e-6;
+
 /// What a line sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Target {
@@ -90,7 +93,7 @@ fn one(target: Target, name: &str, word: &str) -> Result<Set, String> {
 /// Whether words can be set, or added with `add`, together.
 ///
 /// # Errors
-/// One stands twice, is an angle beyond a turn, or cannot be added to.
+/// One stands twice, is less than [`LEAST`] and not 0, is an angle beyond a turn, or cannot be added to.
 pub(crate) fn can_be(sets: &[Set], add: bool) -> Result<(), String> {
     for (n, Set { target, letter, value }) in sets.iter().enumerate() {
         let name = target.name();
@@ -102,9 +105,20 @@ pub(crate) fn can_be(sets: &[Set], add: bool) -> Result<(), String> {
                 "Q of {name} is an orientation, 0 to 9, and cannot be added to: leave out --add"
             ));
         }
-        if "ABCRIJ".contains(*letter) && value.abs() > 360.0 {
-            return Err(format!("{letter}{value} of {name} is more than a turn: write -360 to 360 degrees"));
+        if *value != 0.0 && value.abs() < LEAST {
+            return Err(format!(
+                "{letter}{value} of {name} is less than the files keep: write 0, or {LEAST} and more"
+            ));
         }
+        within_a_turn(*letter, *value, &name)?;
+    }
+    Ok(())
+}
+
+/// Angles lie within a turn.
+pub(super) fn within_a_turn(letter: char, value: f64, name: &str) -> Result<(), String> {
+    if "ABCRIJ".contains(letter) && value.abs() > 360.0 {
+        return Err(format!("{letter}{value} of {name} is more than a turn: write -360 to 360 degrees"));
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use machine::Machine;
 use protocol::Axis;
 use serde::Serialize;
 
-use super::{OF_SYSTEM, SYSTEMS, Set, Table, parameter};
+use super::{OF_SYSTEM, SYSTEMS, Set, Table, parameter, said::within_a_turn};
 use crate::offsets::Target;
 
 /// What `offsets list --json` prints.
@@ -20,6 +20,13 @@ pub(super) struct Document<'a> {
     in_force: &'a str,
     systems: Vec<System<'a>>,
     tool_offsets: Vec<OfTool<'a>>,
+    /// How many more the table has.
+    #[serde(skip_serializing_if = "is_zero")]
+    tools_left_out: usize,
+}
+
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 #[derive(Serialize)]
@@ -51,6 +58,7 @@ impl Table {
             words: tool.words().into(),
             comment: &tool.comment,
         });
+        let all = self.tools.iter().flat_map(|table| table.iter()).count();
         let [parameters, tools_in] =
             self.files.each_ref().map(|path| path.as_ref().map(|path| path.display().to_string()));
         Document {
@@ -61,6 +69,7 @@ impl Table {
             in_force: self.in_force(),
             systems: systems.collect(),
             tool_offsets: tools.collect(),
+            tools_left_out: all.saturating_sub(most),
         }
     }
 }
@@ -75,47 +84,72 @@ impl Limits<'_> {
     /// Whether these words may be set. `asked` as they were typed, `sets` as they will stand in `table`.
     ///
     /// # Errors
-    /// A tool or an axis that the machine has not, a correction that is none, an offset beyond every reach.
+    /// A tool or an axis that the machine has not, a correction that is none, an offset beyond every reach,
+    /// more than a turn, a tool wider than the machine.
     pub(crate) fn allow(&self, asked: &[Set], add: bool, sets: &[Set], table: &Table) -> Result<(), String> {
         let mm = if table.units == Units::Inch { 25.4 } else { 1.0 };
         for (typed, Set { target, letter, value }) in asked.iter().zip(sets) {
             let name = target.name();
-            self.is_tool(*target, table)?;
+            is_tool(*target, table)?;
+            within_a_turn(*letter, *value, &name)?;
             if add && "XYZUVWD".contains(*letter) && typed.value.abs() * mm > LARGEST_CORRECTION_MM {
                 return Err(format!(
                     "{} is no correction: at most {LARGEST_CORRECTION_MM} mm at once; set {letter} of {name} instead",
                     typed.value
                 ));
             }
-            let Some(axis) = Axis::from_name(&letter.to_string()) else { continue };
-            match self.0.axes().find(|(there, _)| *there == axis) {
-                None if *value != 0.0 => return Err(format!("this machine has no axis {letter}")),
-                Some((_, config)) if "XYZ".contains(*letter) => {
-                    let [low, high] = config.travel_mm;
-                    let most = high - low + low.abs().max(high.abs());
-                    if value.abs() * mm > most {
-                        return Err(format!(
-                            "{letter}{value} of {name} leads out of every reach: {letter} travels from {low} to {high} \
-                             mm, so {:.3} at most",
-                            most / mm
-                        ));
-                    }
-                }
-                _ => {}
+            match letter {
+                'D' => self.fits(*value * mm, &name)?,
+                'R' | 'I' | 'J' | 'Q' => {}
+                _ => self.is_reached(*letter, *value, mm, &name)?,
             }
         }
         Ok(())
     }
 
-    /// A tool that is in the table, or that the machine has.
-    fn is_tool(&self, target: Target, table: &Table) -> Result<(), String> {
-        let Target::Tool(number) = target else { return Ok(()) };
-        let tools = &self.0.tools;
-        let known = tools.is_empty() || tools.contains_key(&number.to_string());
-        if known || table.tools.as_ref().is_some_and(|table| table.find(number).is_some()) {
+    /// An offset of an axis, in units of `mm` mm.
+    fn is_reached(&self, letter: char, value: f64, mm: f64, name: &str) -> Result<(), String> {
+        let axis = Axis::from_name(&letter.to_string());
+        match self.0.axes().find(|(there, _)| Some(*there) == axis) {
+            None if value != 0.0 => Err(format!("this machine has no axis {letter}")),
+            Some((_, config)) if "XYZ".contains(letter) => {
+                let [low, high] = config.travel_mm;
+                let most = high - low + low.abs().max(high.abs());
+                if value.abs() * mm <= most {
+                    return Ok(());
+                }
+                Err(format!(
+                    "{letter}{value} of {name} leads out of every reach: {letter} travels from {low} to {high} mm, so {:.3} \
+                     at most",
+                    most / mm
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A diameter, mm: no tool is wider than the longest travel.
+    fn fits(&self, wide_mm: f64, name: &str) -> Result<(), String> {
+        let travels = self.0.axes().filter(|(axis, _)| !axis.is_rotary());
+        let longest =
+            travels.map(|(_, config)| config.travel_mm[1] - config.travel_mm[0]).fold(0.0, f64::max);
+        if wide_mm <= longest {
             return Ok(());
         }
-        let known: Vec<_> = tools.keys().map(|number| format!("T{number}")).collect();
-        Err(format!("this machine has no T{number}, and its tool table neither: it has {}", known.join(", ")))
+        Err(format!(
+            "{name} would be {wide_mm} mm wide, and the longest travel of this machine is {longest} mm"
+        ))
     }
+}
+
+/// A tool that is in the table: one that is typed wrong makes no other.
+fn is_tool(target: Target, table: &Table) -> Result<(), String> {
+    let Target::Tool(number) = target else { return Ok(()) };
+    if table.tools.as_ref().is_some_and(|table| table.find(number).is_some()) {
+        return Ok(());
+    }
+    Err(format!(
+        "the tool table has no T{number}: enter it with pitchlock offsets set T{number} X0 --tools FILE, or as a line of \
+         that file"
+    ))
 }

@@ -23,7 +23,7 @@ use crate::{
     error::CliError,
     offsets::Table,
     replay::{Again, Recorded},
-    run::{RunArgs, interrupts::Interrupts},
+    run::{RunArgs, folder::changed, interrupts::Interrupts},
 };
 
 /// Between two looks at the panel.
@@ -46,6 +46,10 @@ struct Player<'a> {
     to: Option<u64>,
     /// Cycles that are due, with what is left of one.
     due: f64,
+    /// Files of the folder that are not what they were.
+    changed: Vec<String>,
+    /// Whether all of it was what was recorded, when it has come to its end.
+    same: Option<bool>,
 }
 
 /// Plays a run until somebody ends the command.
@@ -65,8 +69,10 @@ pub(super) fn playback(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliErro
     let (again, observer) = recorded.begun()?;
     let until = recorded.summary.cycles;
     let speed = asked.pace.map_or(1.0, |pace| pace.to_string().parse().unwrap_or(1000.0));
+    let changed = changed(&asked.program, &recorded.summary);
+    let (to, due, same) = (None, 0.0, None);
     let mut player =
-        Player { recorded: &recorded, run, again, observer, next: 0, until, speed, to: None, due: 0.0 };
+        Player { recorded: &recorded, run, again, observer, next: 0, until, speed, to, due, changed, same };
     player.begins(&mut live, &asked.program);
     player.goes(&mut live, 1)?;
     let mut before = Moment::now();
@@ -100,7 +106,7 @@ impl Player<'_> {
         let until_s = self.until as f64 * self.run.machine.general.cycle_s;
         let speed = self.to.is_none().then_some(self.speed);
         let playback = json!({ "of": dir.display().to_string(), "speed": speed, "until_s": until_s,
-            "outcome": self.recorded.summary.outcome });
+            "outcome": self.recorded.summary.outcome, "changed": self.changed, "same": self.same });
         if live.still.get("playback") != Some(&playback) {
             live.stands(fields(&json!({ "playback": playback, "mode": Mode::Playback.name() })));
         }
@@ -120,6 +126,9 @@ impl Player<'_> {
                 }
             })?;
             *next = if goes_on { *next + 1 } else { end };
+        }
+        if end == self.until {
+            self.same = Some(self.observer.trace_hash() == self.recorded.summary.trace_hash);
         }
         if stops {
             (self.speed, self.to, self.due) = (0.0, None, 0.0);

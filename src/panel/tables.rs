@@ -18,7 +18,7 @@ use crate::{
 };
 
 /// Most tools that are shown.
-const MOST_TOOLS: usize = 400;
+const MOST_TOOLS: usize = 1000;
 
 /// Words that somebody types, as they will stand in a table.
 ///

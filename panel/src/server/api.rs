@@ -11,12 +11,12 @@ use axum::{
     response::{IntoResponse as _, Response},
     routing::{get, post},
 };
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::{
     guard::{PROTOCOL, guard},
     house::House,
-    live, state,
+    live,
 };
 use crate::PAGES;
 
@@ -40,8 +40,7 @@ pub(crate) fn router(house: Arc<House>) -> Router {
 
 /// All that is seen.
 async fn all(State(house): State<Arc<House>>) -> Response {
-    let now = house.watch().borrow().clone();
-    document(StatusCode::OK, &now.since(&state::State::default()).unwrap_or_else(|| json!({})))
+    document(StatusCode::OK, &house.watch().borrow().clone().whole())
 }
 
 fn document(status: StatusCode, document: &Value) -> Response {

@@ -16,6 +16,7 @@ use tokio::{
 use super::state::State;
 use crate::{
     press::{self, Asked, Refusal},
+    seen,
     wire::{FromPanel, ToPanel},
 };
 
@@ -55,6 +56,7 @@ impl House {
             seat: Mutex::default(),
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
         };
+        house.state.send_modify(|state| state.set(seen::nothing()));
         house.seat(None);
         house
     }

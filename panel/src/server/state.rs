@@ -61,6 +61,15 @@ impl State {
         }
     }
 
+    /// All of it.
+    pub(crate) fn whole(&self) -> Value {
+        let mut fields = self.since(&State::default()).unwrap_or_else(|| json!({}));
+        if fields.get("trail").is_none() {
+            fields["trail"] = json!({ "from": 0, "points": [] });
+        }
+        fields
+    }
+
     /// What of it is not in `before`, as one document: fields, and where the trail goes on.
     pub(crate) fn since(&self, before: &State) -> Option<Value> {
         let same = |name: &String, value: &Arc<Value>| {

@@ -284,8 +284,7 @@ impl Observer {
         self.warn();
         self.report_gauges();
         (self.out.thread, self.out.resumed) = (self.thread(), self.rings.reported());
-        self.hash.update(&self.batch);
-        self.out.trace_hash = self.hash.finalize().to_hex().to_string();
+        self.out.trace_hash = self.trace_hash();
         self.out.moves.time_s = self.moving_cycles as f64 * self.out.cycle_s;
         self.contour.report(self.out.cycle_s, &mut self.out.moves);
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);

@@ -3,6 +3,13 @@
 use super::{FaultReport, MessageReport, Observer, PassReport, StockReport};
 
 impl Observer {
+    /// The trace hash of the cycles so far, hexadecimal.
+    pub fn trace_hash(&self) -> String {
+        let mut hash = self.hash.clone();
+        hash.update(&self.batch);
+        hash.finalize().to_hex().to_string()
+    }
+
     /// The passes that are over.
     pub fn passes(&self) -> &[PassReport] {
         &self.out.passes

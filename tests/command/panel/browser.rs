@@ -301,6 +301,7 @@ fn a_browser_plays_a_recording() {
     browser.click("#play");
     browser.until_text("words", "over");
     browser.until_text("passes", "complete");
+    browser.until_text("other", "bit for bit");
     let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
     browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
     assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));

@@ -53,7 +53,8 @@ fn a_recording_shows_every_cycle_as_it_was() {
     let place = Place::new();
     let panel = plays(&place, &["--pace", "max"]);
     let last = column(&place, "cycle").last().copied().expect("cycles") as u64;
-    stands_at(&panel, last);
+    let state = stands_at(&panel, last);
+    assert_eq!((&state["playback"]["changed"], &state["playback"]["same"]), (&json!([]), &json!(true)));
     let [x, z, pass] = ["x_commanded", "z_commanded", "pass"].map(|name| column(&place, name));
     let cycle_s = panel.state()["machine"]["cycle_s"].as_f64().expect("a time");
     let holds = |cycle: u64| {
@@ -92,7 +93,7 @@ fn a_recording_shows_every_cycle_as_it_was() {
     // A panel that dies shows where the player stands when it is there again.
     signal(panel.server().expect("it is there"), "KILL");
     until("another one is there", || panel.server().is_some());
-    until("it shows something", || panel.state().get("cycle").is_some());
+    until("it shows something", || panel.state()["cycle"].is_u64());
     holds(cycle);
 }
 
@@ -132,4 +133,20 @@ fn no_key_acts_on_a_recording_and_what_is_none_is_not_played() {
     machine.press("take-seat");
     let (told, why) = refused(&machine, "play", json!(1));
     assert!(told == "not-running" && why.contains("RUN_DIR"), "{told}: {why}");
+}
+
+/// A folder that somebody has changed shows another run: which file that is stands there from the beginning,
+/// and at the end that it is another one.
+#[test]
+fn a_folder_that_was_changed_is_played_and_that_is_told() {
+    let place = Place::new();
+    drop(plays(&place, &[]));
+    fs::write(place.at("made/thread.ngc"), THREAD.replace("S600", "S601")).expect("room");
+    let panel = Panel::start(&place, &["panel", "made", "--pace", "0.1"]);
+    panel.press("take-seat");
+    let playback = || panel.state()["playback"].clone();
+    until("it is shown", || playback().is_object());
+    assert_eq!((&playback()["changed"], &playback()["same"]), (&json!(["thread.ngc"]), &Value::Null));
+    panel.turn("play", 1000);
+    until("it is over", || playback()["same"] == json!(false));
 }

@@ -24,6 +24,7 @@ G1 Z-4
 G0 X40
 M2
 ";
+const VARIABLES: &str = "5220 1\n5250 200\n";
 pub(super) const TOOLS: &str = "; lathe\nT1 P1 X0 Z0\nT3 P3 X-0.1 Z0.2 ;threading tool\n";
 
 /// A cut with its tools and a parameter file, and the panel that has loaded them.
@@ -31,7 +32,7 @@ fn shop() -> (Place, Panel) {
     let place = Place::new();
     let lathe = fs::read_to_string(project().join("examples/machines/plain-lathe.toml")).expect("a lathe");
     let lathe = lathe + "\n[tools.2]\nname = \"boring bar\"\n[tools.3]\nname = \"threading tool\"\n";
-    let texts = [("cut.ngc", CUT), ("tool.tbl", TOOLS), ("lathe.var", "5220 1\n"), ("lathe.toml", &lathe)];
+    let texts = [("cut.ngc", CUT), ("tool.tbl", TOOLS), ("lathe.var", VARIABLES), ("lathe.toml", &lathe)];
     for (name, text) in texts {
         fs::write(place.at(name), text).expect("room");
     }
@@ -75,10 +76,10 @@ fn wear_that_is_typed_is_in_the_file_in_the_next_cut_and_in_its_folder() {
     assert_eq!(fs::read_to_string(place.at("tool.tbl")).expect("a table"), wanted, "and nothing else of it");
     let second = runs(&panel, 2);
     assert!((second - first + 0.025).abs() < 1e-9, "{first} {second}");
-    // A zero as well: Z of G54, and the tool is entered that the machine has and the table has not.
+    // A zero as well, Z of G54, and more words of a tool at once.
     panel.turn("offset", json!({ "of": "G54", "set": { "Z": -12.5 } }));
-    panel.turn("offset", json!({ "of": "t2", "set": { "X": 1.5, "D": 0.8, "Q": 2 } }));
-    until("it is shown", || of_tool(&panel, 2, "Q") == 2.0);
+    panel.turn("offset", json!({ "of": "t1", "set": { "X": 1.5, "D": 0.8, "Q": 2 } }));
+    until("it is shown", || of_tool(&panel, 1, "Q") == 2.0);
     assert_eq!(panel.state()["offsets"]["systems"][0]["Z"], -12.5);
     assert!(fs::read_to_string(place.at("lathe.var")).expect("a file").contains("5223"));
     signal(panel.launcher.id(), "INT");
@@ -97,6 +98,11 @@ fn what_no_offset_can_be_is_refused_and_changes_nothing() {
         (set("G54", json!({ "Z": 1e5 })), "bad-offset", "out of every reach"),
         (set("T3", json!({ "Y": 1 })), "bad-offset", "no axis Y"),
         (set("T77", json!({ "X": 1 })), "bad-offset", "has no T77"),
+        (set("T2", json!({ "X": 1 })), "bad-offset", "offsets set T2"),
+        (set("T3", json!({ "D": 1e6 })), "bad-offset", "longest travel"),
+        (set("G54", json!({ "R": 1e6 })), "bad-offset", "more than a turn"),
+        (set("T3", json!({ "X": 4e-7 })), "bad-offset", "less than the files keep"),
+        (add("T3", json!({ "X": -1e-9 })), "bad-offset", "less than the files keep"),
         (set("T3", json!({ "Q": 11 })), "bad-offset", "0 to 9"),
         (set("T3", json!({ "D": -1 })), "bad-offset", "a diameter is 0 or more"),
         (set("T3", json!({ "I": 400 })), "bad-offset", "more than a turn"),
@@ -105,6 +111,7 @@ fn what_no_offset_can_be_is_refused_and_changes_nothing() {
         (set("T3", json!({ "X": 1e9 })), "bad-offset", "at most 1000000"),
         (add("T3", json!({ "X": -5 })), "bad-offset", "is no correction"),
         (add("T2", json!({ "X": 0.01 })), "bad-offset", "nothing to add to"),
+        (add("G55", json!({ "R": 200 })), "bad-offset", "R400 of G55"),
         (add("T3", json!({ "Q": 1 })), "bad-offset", "cannot be added to"),
         (json!({ "of": "T3" }), "bad-value", "{of, set}"),
     ] {
@@ -112,7 +119,7 @@ fn what_no_offset_can_be_is_refused_and_changes_nothing() {
         assert!(told == code && reason.contains(why), "{value}: {told}: {reason}");
     }
     assert_eq!(fs::read_to_string(place.at("tool.tbl")).expect("a table"), TOOLS);
-    assert_eq!(fs::read_to_string(place.at("lathe.var")).expect("a file"), "5220 1\n");
+    assert_eq!(fs::read_to_string(place.at("lathe.var")).expect("a file"), VARIABLES);
     // A machine without files has nowhere to keep them while it is off.
     let bare = Place::new();
     let panel = Panel::start(&bare, &["panel", "--trace", "none"]);
@@ -121,6 +128,24 @@ fn what_no_offset_can_be_is_refused_and_changes_nothing() {
         let (told, reason) = refused(&panel, "offset", set(of, json!({ "X": 1 })));
         assert!(told == "bad-offset" && reason.contains(option), "{told}: {reason}");
     }
+}
+
+/// A table with more tools than are shown: how many are left out is told; one of them can be set.
+#[test]
+fn what_is_left_out_of_a_long_table_is_told() {
+    let place = Place::new();
+    let tools: String = (1..=1005).map(|number| format!("T{number} P{number} X0.5\n")).collect();
+    place.write("tool.tbl", &tools);
+    let panel = Panel::start(&place, &["panel", "--tools", "tool.tbl", "--trace", "none"]);
+    panel.press("take-seat");
+    until("they are shown", || panel.state()["offsets"].is_object());
+    let offsets = panel.state()["offsets"].clone();
+    assert_eq!(
+        (offsets["tool_offsets"].as_array().map(Vec::len), &offsets["tools_left_out"]),
+        (Some(1000), &json!(5))
+    );
+    panel.turn("offset", json!({ "of": "T1003", "add": { "X": -0.025 } }));
+    assert!(fs::read_to_string(place.at("tool.tbl")).expect("a table").contains("T1003 P1003 X0.475\n"));
 }
 
 /// By hand an offset is a block: it has its cycle, it acts on the next one, and it is kept when the machine

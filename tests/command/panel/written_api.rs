@@ -57,9 +57,15 @@ fn the_page_has_every_word_every_field_and_every_refusal() {
         assert!(page.contains(&format!("`{word}`")), "{word}");
     }
     let place = Place::new();
+    // Before the first run every field is there, too.
+    let before = Panel::start(&place, &["panel", "--trace", "none"]).state();
     let panel = Panel::start(&place, &["run", &example("m20x2").display().to_string(), "--panel"]);
-    crate::shop::until("something is seen", || panel.state().get("knobs").is_some());
+    crate::shop::until("something is seen", || panel.state()["knobs"].is_object());
     let state = panel.state();
+    let names = |state: &serde_json::Value| {
+        state.as_object().expect("an object").keys().cloned().collect::<std::collections::BTreeSet<_>>()
+    };
+    assert_eq!(names(&before), names(&state));
     for (field, value) in state.as_object().expect("an object") {
         assert!(page.contains(&format!("`{field}`")), "{field}");
         let of_row = value.as_array().and_then(|rows| rows.first()).unwrap_or(value);
