@@ -6,7 +6,11 @@
 
 mod kept;
 
-use std::{io, path::Path, sync::Arc};
+use std::{
+    io,
+    path::Path,
+    sync::{Arc, LazyLock},
+};
 
 use gcode::canon::{LinuxcncPrinter, PlainPrinter, Units};
 use gcode::files::{MachineFile, ParameterFile, Tool, ToolTable};
@@ -15,7 +19,7 @@ use gcode::{
     Program, Sink, Step, alone,
 };
 use interpreter::Interpreter;
-use machine::{Machine, Part, SMALL_MILL};
+use machine::{Machine, POSITIONER, Part, SMALL_MILL};
 use metrology::Thread;
 use protocol::CodePacket;
 use protocol::code_file::{CodeFile, VERSION};
@@ -140,12 +144,17 @@ pub fn machine_file(bytes: &[u8]) {
     }
 }
 
+/// Machines that are read once: the built-in lathe, a mill and a positioner.
+static LATHE: LazyLock<Machine> = LazyLock::new(Machine::default);
+static MILL: LazyLock<Machine> = LazyLock::new(|| Machine::from_toml(SMALL_MILL).expect("it is shipped"));
+static SEAMER: LazyLock<Machine> = LazyLock::new(|| Machine::from_toml(POSITIONER).expect("it is shipped"));
+
 /// The bytes as a scenario for the built-in machine.
 pub fn scenario(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     match Scenario::from_toml(&text) {
         Ok(scenario) => {
-            let _ = Plant::new(&Machine::default(), scenario, 1).map_err(|error| error.to_string());
+            let _ = Plant::new(&LATHE, scenario, 1).map_err(|error| error.to_string());
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }
@@ -178,13 +187,14 @@ pub fn job_text(bytes: &[u8]) {
     executed(Program::from_job("fuzz", bytes, &options(Dialect::Linuxcnc)), bytes);
 }
 
-/// The bytes as a job of the built-in mill, planned.
+/// The bytes as a job, planned: a seam for the built-in positioner, anything else for the built-in mill.
 pub fn job(bytes: &[u8]) {
-    let machine = Machine::from_toml(SMALL_MILL).expect("it is shipped");
+    let is_seam = String::from_utf8_lossy(bytes).contains("seam");
+    let machine = if is_seam { &*SEAMER } else { &*MILL };
     let options = options(Dialect::Linuxcnc);
     let program = Program::from_job("fuzz", bytes, &options);
     let mut rendered = 0;
-    for item in Interpreter::new(program, &machine).take(usize::try_from(CALLS).unwrap_or(usize::MAX)) {
+    for item in Interpreter::new(program, machine).take(usize::try_from(CALLS).unwrap_or(usize::MAX)) {
         match item {
             Ok(item) => assert_eq!(item.check(), Ok(())),
             Err(diagnostic) => check_diagnostic(&diagnostic, &mut rendered),

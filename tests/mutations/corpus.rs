@@ -40,3 +40,22 @@ pub(crate) const PRESSES: [&str; 5] = [
     r#"{"id": 3, "do": "take-seat", "as": "x"}"#,
     r#"{"id": 4, "do": "jog", "value": 1, "as": "x"}"#,
 ];
+
+/// A contour of each side, and a surface of each pattern, with a tool that is small beside it: what it
+/// touches is looked at place by place.
+pub(crate) const SMALL_JOBS: [&str; 5] = [
+    "[job]\nname = \"edge\"\nkind = \"contour\"\norigin_mm = [-5, 0, 0]\ntool_number = 2\nspindle_rpm = 6000\n\
+     coolant = \"flood\"\ny = \"2*sin(x/16) + x/10\"\nx = [0, 4]\ndepth_z_mm = -4\n\
+     tool = { diameter_mm = 10, side = \"left\" }\nfeed_mm_min = 1200\nchord_mm = 0.02\n",
+    "[job]\nkind = \"contour\"\norigin_mm = [0, 0, 0]\ny = \"sqrt(1 + x^2)\"\nx = [-1, 1]\ndepth_z_mm = -1\n\
+     tool = { diameter_mm = 0.5, side = \"right\" }\nfeed_mm_min = 600\nclearance_mm = 2\n",
+    "[job]\nkind = \"surface\"\norigin_mm = [0, 0, -100]\ntool_number = 3\ncoolant = \"mist\"\nz = \"x/10 + y/20\"\n\
+     x = [0, 20]\ny = [0, 20]\ntool = { kind = \"ball\", diameter_mm = 2 }\n\
+     path = { pattern = \"lines\", along = \"x\", step_mm = 1.9 }\nfeed_mm_min = 3000\n",
+    "[job]\nkind = \"surface\"\norigin_mm = [0, 0, -100]\nz = \"x/5\"\nx = [0, 20]\ny = [0, 20]\n\
+     tool = { kind = \"bull\", diameter_mm = 2, corner_mm = 0.5 }\npath = { pattern = \"rings\", step_mm = 1.2 }\n\
+     feed_mm_min = 900\nclearance_mm = 2\n",
+    "[job]\nkind = \"surface\"\norigin_mm = [0, 0, -100]\nz = \"x*y/90\"\nx = [0, 20]\ny = [0, 20]\n\
+     tool = { kind = \"ball\", diameter_mm = 2 }\n\
+     path = { pattern = \"curve\", x = \"4 + 3*cos(t)\", y = \"4 + 3*sin(t)\", t = [0, 2] }\nfeed_mm_min = 900\n",
+];

@@ -5,7 +5,7 @@ use rig::journal::{Book, Medium, State};
 use rig::trace::{Format, Row, TraceWriter};
 use zerocopy::IntoBytes as _;
 
-use crate::{MUTATIONS, corpus::ARRIVALS, mutate, mutate_within, targets};
+use crate::{corpus::ARRIVALS, mutate, mutate_within, targets};
 
 /// A medium that keeps what is written in memory.
 #[derive(Default)]
@@ -128,7 +128,7 @@ fn trace() {
         writer.finish().expect("there is room");
     });
     let corpus = paths.map(|path| std::fs::read(path).expect("it was written"));
-    mutate_within(TRACE_MEMORY, MUTATIONS / 10, targets::trace, &corpus);
+    mutate_within(TRACE_MEMORY, targets::trace, &corpus);
 }
 
 #[test]

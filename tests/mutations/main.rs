@@ -16,7 +16,7 @@ mod targets;
 
 use std::{env, fs, path::Path};
 
-use corpus::{FANUC, FANUC_MILL, PRESSES};
+use corpus::{FANUC, FANUC_MILL, PRESSES, SMALL_JOBS};
 use machine::Machine;
 use mutate::mutation;
 use protocol::{
@@ -223,17 +223,17 @@ impl Drop for Watched<'_> {
 }
 
 fn mutate(target: fn(&[u8]), corpus: &[Vec<u8>]) {
-    mutate_within(MEMORY, MUTATIONS, target, corpus);
+    mutate_within(MEMORY, target, corpus);
 }
 
-/// The same with so many bytes beside the input, and so many mutations in a run of the tests.
-fn mutate_within(memory_bytes: u64, mutations: u64, target: fn(&[u8]), corpus: &[Vec<u8>]) {
+/// The same with so many bytes beside the input.
+fn mutate_within(memory_bytes: u64, target: fn(&[u8]), corpus: &[Vec<u8>]) {
     for bytes in corpus {
         target(bytes);
     }
     let one = asked("PITCHLOCK_MUTATION");
     let first = one.or(asked("PITCHLOCK_FIRST_MUTATION")).unwrap_or(0);
-    let count = one.map(|_| 1).or(asked("PITCHLOCK_MUTATIONS")).unwrap_or(mutations);
+    let count = one.map(|_| 1).or(asked("PITCHLOCK_MUTATIONS")).unwrap_or(MUTATIONS);
     for number in first..first + count {
         let bytes = mutation(corpus, number);
         let _watched = Watched(number, &bytes);
@@ -328,12 +328,14 @@ fn tables() -> Vec<Vec<u8>> {
 }
 
 fn jobs() -> Vec<Vec<u8>> {
-    programs("examples/shape", "toml")
+    let mut all = programs("examples/shape", "toml");
+    all.extend(programs("examples/positioner", "toml"));
+    all
 }
 
 #[test]
 fn machine_file() {
-    mutate_within(MEMORY + PLANT_MEMORY, MUTATIONS, targets::machine_file, &machine_files());
+    mutate_within(MEMORY + PLANT_MEMORY, targets::machine_file, &machine_files());
 }
 
 #[test]
@@ -353,14 +355,22 @@ fn tables_of_linuxcnc() {
 
 #[test]
 fn job_text() {
-    mutate_within(JOB_MEMORY, MUTATIONS, targets::job_text, &jobs());
+    mutate_within(JOB_MEMORY, targets::job_text, &jobs());
 }
 
-/// Its surfaces and contours are planned as well, which takes a thousand times as long.
+/// Jobs of all kinds that are planned soon.
+fn small_jobs() -> Vec<Vec<u8>> {
+    let mut all = programs("examples/positioner", "toml");
+    all.extend(SMALL_JOBS.iter().map(|text| text.as_bytes().to_vec()));
+    all
+}
+
+/// Surfaces, contours and seams are planned as well. One in a thousand has a number in it that makes its way
+/// as long as is looked at, which takes seconds.
 #[test]
 fn job() {
     // The longest line that a job may have is provided for at its beginning.
-    mutate_within(JOB_MEMORY, MUTATIONS / 20, targets::job, &jobs());
+    mutate_within(JOB_MEMORY, targets::job, &small_jobs());
 }
 
 #[test]
