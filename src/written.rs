@@ -1,12 +1,12 @@
 //! Files that commands write where they are told to. Whoever is told the wrong name loses nothing: a file
 //! is replaced only if an earlier run of the same command made it, as its first bytes say, and as a
 //! whole: it is written under another name and renamed. A pipe, which may have no reader, is refused;
-//! what the system has in `/dev` (`/dev/null`, `/dev/stdout`) is written to.
+//! what the system has in `/dev` (`/dev/null`, `/dev/stdout`) is written to, once all of it is there.
 
 use std::{
     fs::File,
-    io::{ErrorKind, Read, Write as _},
-    os::unix::fs::FileTypeExt as _,
+    io::{self, ErrorKind, Read, Seek as _, Write as _},
+    os::unix::fs::{FileTypeExt as _, MetadataExt as _},
     path::Path,
 };
 
@@ -146,12 +146,33 @@ pub(crate) fn by_parts<T>(
     let failed = |error| CliError::file(path, error);
     let of_system = path.starts_with("/dev") || path.metadata().is_ok_and(|found| !found.is_file());
     if of_system {
-        return write(&mut File::create(path).map_err(failed)?);
+        // Nothing of what is broken off can be taken for all of it.
+        let mut whole = intake::unnamed().map_err(failed)?;
+        let written = write(&mut whole)?;
+        whole.rewind().and_then(|()| hand_over(&mut whole, path)).map_err(failed)?;
+        return Ok(written);
     }
     let mut prepared = intake::begin(path).map_err(failed)?;
     let written = write(prepared.file())?;
     prepared.put().map_err(failed)?;
     Ok(written)
+}
+
+/// Copies what is whole to what the system has. Standard output goes on where it is: opened anew, a file that
+/// it was led into would be written from its beginning.
+fn hand_over(whole: &mut File, path: &Path) -> io::Result<()> {
+    if is_standard_output(path) {
+        let mut out = io::stdout().lock();
+        io::copy(whole, &mut out)?;
+        return out.flush();
+    }
+    io::copy(whole, &mut File::create(path)?).map(|_| ())
+}
+
+/// Whether a path is another name of where this process prints.
+pub(crate) fn is_standard_output(path: &Path) -> bool {
+    let place = |path: &Path| path.metadata().ok().map(|found| (found.dev(), found.ino()));
+    place(path).is_some_and(|there| place(Path::new("/dev/stdout")) == Some(there))
 }
 
 /// Refuses what would be waited for until somebody reads it.

@@ -33,7 +33,8 @@ pub(crate) struct CompileArgs {
     /// The machine-code file.
     #[arg(short, long, value_name = "OUT.mc")]
     pub(crate) out: PathBuf,
-    /// Also write the same as straight lines: G-code of RS274/NGC within the chord error of each job.
+    /// Also write the same as straight lines: G-code of RS274/NGC within the chord error of each job
+    /// (/dev/stdout prints them, and nothing else).
     #[arg(long, value_name = "FILE")]
     pub(crate) g1: Option<PathBuf>,
 }
@@ -59,7 +60,10 @@ pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliEr
     let compiling = Phase::begin("compiling");
     let (bytes, about) = write_code(args, program.count, items()?, &machine)?;
     drop(compiling);
-    screen::print(&format!("{}: {} items, {bytes} bytes\n", args.out.display(), program.count));
+    // What is said of lines that are printed does not belong among them.
+    let are_printed = args.g1.as_deref().is_some_and(written::is_standard_output);
+    let say = if are_printed { words::say } else { screen::print };
+    say(&format!("{}: {} items, {bytes} bytes\n", args.out.display(), program.count));
     let lines = match &args.g1 {
         Some(path) => Some(write_lines(path, args, &about, items()?, &machine)?),
         // Without lines there is nothing to compare.
@@ -67,12 +71,10 @@ pub(crate) fn compile(args: &CompileArgs, quiet: bool) -> Result<ExitCode, CliEr
         None => None,
     };
     if let Some(lines) = lines {
-        screen::print(&compared(bytes, lines));
+        say(&compared(bytes, lines));
     }
     if args.g1.is_some() && about.seams() {
-        screen::print(
-            "the lines of a seam are for size and for other controls: this machine is slower along them\n",
-        );
+        say("the lines of a seam are for size and for other controls: this machine is slower along them\n");
     }
     Ok(ExitCode::SUCCESS)
 }

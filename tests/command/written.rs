@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fs};
 
 use crate::command_line::{accepts, m20x2};
-use crate::shop::{Place, project};
+use crate::shop::{Answer, Place, project, signal, until};
 
 const SHORT: &str = "G18 G21 G90 G8\nG0 X14 Z2\nM2\n";
 
@@ -111,4 +111,38 @@ fn v_is_verbose_and_a_parameter_file_never_printed_to() {
     let answer = place.ask(&["canon", "set.ngc", "other.var"]);
     assert!(answer.status == Some(2) && answer.stderr.contains("-p"), "{}", answer.stderr);
     assert!(!place.at("other.var").exists());
+}
+
+/// Lines that are printed are those of the file, alone and as a whole; interrupted, there are none.
+#[test]
+fn lines_that_are_printed_are_whole_or_none() {
+    let place = Place::new();
+    let [mill, wave] = ["machines/small-mill.toml", "shape/wave.toml"]
+        .map(|name| project().join("examples").join(name).display().to_string());
+    let arguments = ["compile", &wave, "--machine", &mill, "-o", "own.mc", "--g1"];
+    let answer = place.ask(&[&arguments[..], &["own.ngc"]].concat());
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    let lines = fs::read(place.at("own.ngc")).expect("they are written");
+    let print = |to: std::process::Stdio| {
+        let mut command = place.pitchlock();
+        command.args(arguments).arg("/dev/stdout").stdout(to).stderr(std::process::Stdio::piped());
+        command.spawn().expect("it starts")
+    };
+    let file = fs::File::create(place.at("printed.ngc")).expect("room");
+    let answer = Answer::from(print(file.into()).wait_with_output().expect("it was started here"));
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    assert!(
+        answer.stderr.contains("own.mc: ") && answer.stderr.contains("times as many"),
+        "{}",
+        answer.stderr
+    );
+    let printed = fs::read(place.at("printed.ngc")).expect("it is there");
+    assert!(printed == lines, "{} bytes of {}", printed.len(), lines.len());
+    // The machine code is there before the first line.
+    fs::remove_file(place.at("own.mc")).expect("it is ours");
+    let compiler = print(std::process::Stdio::piped());
+    until("the machine code is written", || place.at("own.mc").exists());
+    signal(compiler.id(), "INT");
+    let printed = compiler.wait_with_output().expect("it was started here").stdout;
+    assert!(printed.is_empty() || printed == lines, "{} bytes of {}", printed.len(), lines.len());
 }
