@@ -1,7 +1,12 @@
 //! Ten thousand short moves: no process of the control takes more and more memory. The length of a program is
 //! not felt where it is compiled, nor where it is read as machine code.
 
-use std::{collections::BTreeMap, fmt::Write as _, fs};
+use std::{
+    collections::BTreeMap,
+    fmt::Write as _,
+    fs,
+    process::{Command, Stdio},
+};
 
 use crate::shop::{Answer, Place, children, peak_kb, until, wait_s};
 use rig::observe::{Outcome, Summary};
@@ -86,4 +91,36 @@ fn a_program_is_compiled_and_checked_item_by_item() {
     for (short, long) in short.into_iter().zip(long) {
         assert!(short > 0 && long < short + 6_000, "{short} kB, and {long} kB for a long program");
     }
+}
+
+/// A program in UTF-16 goes through a temporary file: as it is read in UTF-8, in as much memory.
+#[test]
+fn a_long_program_in_utf_16_is_read_line_by_line() {
+    let place = Place::new();
+    let remark = format!("({})\n", "remark ".repeat(30));
+    let text =
+        format!("G18 G21 G90 G94 G8\nG0 X50 Z90\n{}G1 X50.1 F3000\nX51 Y2\nM2\n", remark.repeat(40_000));
+    place.write("plain.ngc", &text);
+    let wide = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes);
+    let bytes = place.write("wide.ngc", wide.collect::<Vec<u8>>()).metadata().expect("it is there").len();
+    let [(plain, less), (wide, more)] =
+        ["plain.ngc", "wide.ngc"].map(|name| peak_kb(place.pitchlock().args(["check", name])));
+    assert_eq!((wide.status, &wide.stdout), (plain.status, &plain.stdout));
+    assert_eq!(wide.stderr, plain.stderr.replace("plain.ngc", "wide.ngc"));
+    assert!(wide.status == Some(2) && wide.stderr.contains("wide.ngc:40004:"), "{}", wide.stderr);
+    assert!(less > 0 && more < less + 4_000, "{less} kB, and {more} kB for {bytes} bytes of UTF-16");
+}
+
+/// A pipe is kept as a whole, so there is an end to it.
+#[test]
+fn more_than_64_mb_by_a_pipe_are_refused() {
+    let place = Place::new();
+    let mut endless = Command::new("yes");
+    let mut endless = endless.arg("(remark)").stdout(Stdio::piped()).spawn().expect("it starts");
+    let input = endless.stdout.take().expect("it is piped");
+    let (answer, kb) = peak_kb(place.pitchlock().args(["check", "-"]).stdin(input));
+    endless.kill().and_then(|()| endless.wait()).expect("it was started here");
+    assert_eq!(answer.status, Some(2), "{}{}", answer.stdout, answer.stderr);
+    assert!(answer.stderr.contains("has more than 64 MB"), "{}", answer.stderr);
+    assert!(kb < 160_000, "{kb} kB");
 }
