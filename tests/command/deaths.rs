@@ -14,6 +14,7 @@ use rig::{
 };
 use testing::{Seed, count};
 
+use crate::endings::has_come_to;
 use crate::shop::{
     Answer, Place, alive, children, example, name_spaces, shared_memory, signal, until, wait_s,
 };
@@ -58,8 +59,7 @@ fn a_machine_whose_launcher_was_killed_comes_to_rest_and_wipes_itself() {
         let place = Place::new();
         let program = programs(&place).into_iter().find(|one| one.name == program).expect("it is one");
         let mut launcher = place.start(&program.path);
-        until("the machine runs", || place.at("run/trace.mcap").exists());
-        wait_s(0.2);
+        has_come_to(&place, 5000);
         let ids: BTreeSet<_> = name_spaces(&place).into_iter().collect();
         signal(launcher.id(), "KILL");
         launcher.wait().expect("it was started here");

@@ -1,5 +1,5 @@
 //! Endings that somebody or something is in the way of: words that nobody reads, a launcher that stands or is
-//! gone, a process that hangs where nobody notices, a folder that was used before.
+//! gone, a process that hangs where nobody notices.
 
 use std::{
     collections::BTreeSet,
@@ -11,9 +11,7 @@ use std::{
 use process::ipc::time::Moment;
 use rig::observe::{Outcome, Summary};
 
-use crate::shop::{
-    Answer, Place, alive, children, example, name_spaces, shared_memory, signal, until, wait_s,
-};
+use crate::shop::{Answer, Place, alive, children, name_spaces, shared_memory, signal, until, wait_s};
 
 /// Bytes that a pipe holds.
 pub(crate) const PIPE: usize = 65_536;
@@ -59,8 +57,18 @@ pub(crate) fn slow_machine() -> String {
     machine::PLAIN_LATHE.lines().map(line).collect()
 }
 
+/// Waits until so many control cycles of a run are recorded: a number at the head of a file.
+pub(crate) fn has_come_to(place: &Place, cycle: u64) {
+    let recorded = || {
+        let bytes = std::fs::read(place.at("run/moment.bin")).unwrap_or_default();
+        bytes.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
+    };
+    until("the machine runs", || recorded() >= cycle);
+}
+
+/// Waits until the machine of a run has moved for a while, and is not only being started.
 pub(crate) fn runs(place: &Place) {
-    until("the machine runs", || place.at("run/trace.mcap").exists());
+    has_come_to(place, 1);
     wait_s(0.3);
 }
 
@@ -69,11 +77,24 @@ pub(crate) fn pid_of(launcher: &Child, name: &str) -> u32 {
     child.unwrap_or_else(|| panic!("{name} runs")).1
 }
 
-/// Whether a launcher ends within so many seconds. It is killed if not.
+/// Whether a launcher ends within so many seconds. If not, what everybody does is said and it is killed. What
+/// it prints is read meanwhile: a summary with sixteen late cycles is longer than a pipe.
 pub(crate) fn ends(launcher: &mut Child, within_s: f64) -> bool {
-    let deadline = Moment::in_s(within_s);
+    let printed = launcher.stdout.take();
+    std::thread::scope(|scope| {
+        scope.spawn(|| printed.map(|mut printed| std::io::copy(&mut printed, &mut std::io::sink())));
+        ends_read(launcher, Moment::in_s(within_s))
+    })
+}
+
+fn ends_read(launcher: &mut Child, deadline: Moment) -> bool {
     while launcher.try_wait().expect("it was started here").is_none() {
         if deadline.passed() {
+            let own = ("launcher".to_owned(), launcher.id());
+            for (name, pid) in children(launcher).into_iter().chain([own]) {
+                let read = |file| std::fs::read_to_string(format!("/proc/{pid}/{file}")).unwrap_or_default();
+                eprintln!("{name}: {} {}", read("stat"), read("wchan"));
+            }
             launcher.kill().expect("it was started here");
             return false;
         }
@@ -160,21 +181,6 @@ fn a_plant_that_died_is_named_though_a_signal_comes_then() {
     assert_eq!(codes(&summary).first(), Some(&("sim-plant", "process-died")), "{}", answer.stderr);
     let hung = summary.faults.iter().chain(&summary.warnings);
     assert!(hung.into_iter().any(|one| one.code == "process-frozen"), "the interpreter is named as well");
-}
-
-#[test]
-fn a_used_folder_shows_nothing_of_the_run_before() {
-    let place = Place::new();
-    place.run(&example("m20x2"), "run", &["--trace", "csv"]);
-    assert!(place.at("run/report.html").exists());
-    let mut launcher = long_thread(&place, machine::SMALL_LATHE).spawn().expect("it starts");
-    runs(&place);
-    launcher.kill().expect("it was started here");
-    launcher.wait().expect("it was started here");
-    for old in ["summary.json", "report.html", "trace.csv"] {
-        assert!(!place.at("run").join(old).exists(), "{old} is of the run before");
-    }
-    until("all processes have ended", || !alive(&place));
 }
 
 /// In real time a computer that is too busy trips drives by itself: one of so many attempts is to be quiet.
@@ -286,6 +292,18 @@ fn a_process_that_stands_while_the_machine_starts_is_named() {
     assert!(named && answer.status == Some(1), "{}", answer.stderr);
     assert!(begun.elapsed().as_secs_f64() < 15.0, "{:?}", begun.elapsed());
     assert!(!alive(&place), "nobody is left");
+}
+
+/// More than a pipe holds: a launcher whose result was not read never ended.
+#[test]
+fn a_result_that_is_longer_than_a_pipe_is_read() {
+    let place = Place::new();
+    let told: String = (0..200).map(|n| format!("(MSG,{n} {})\n", "word ".repeat(80))).collect();
+    let mut command = command(&place, &format!("G21\n{told}M2\n"), machine::SMALL_LATHE);
+    let mut launcher = command.args(["--in-process", "--trace", "none"]).spawn().expect("it starts");
+    assert!(ends(&mut launcher, 60.0), "nobody reads its result");
+    let size = place.at("run/summary.json").metadata().expect("a summary").len();
+    assert!(size > PIPE as u64, "{size} bytes");
 }
 
 #[test]
