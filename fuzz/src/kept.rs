@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use gauge::pickup::{self, Asked, pick_up};
-use interpreter::Interpreter;
+use interpreter::{Interpreter, Language};
 use machine::Machine;
 use protocol::Item;
 use rig::{
@@ -19,6 +19,17 @@ pub fn summary(bytes: &[u8]) {
     if let Ok(summary) = serde_json::from_slice::<Summary>(bytes) {
         let text = serde_json::to_string(&summary).expect("it can be written");
         assert!(serde_json::from_str::<Summary>(&text).is_ok(), "{text}");
+    }
+}
+
+/// The bytes as the language of a run folder: what can be read can be written and read again as the same.
+pub fn language(bytes: &[u8]) {
+    match toml::from_str::<Language>(&String::from_utf8_lossy(bytes)) {
+        Ok(language) => {
+            let text = toml::to_string(&language).expect("it can be written");
+            assert_eq!(toml::from_str(&text), Ok(language), "{text}");
+        }
+        Err(refused) => assert!(!refused.to_string().is_empty()),
     }
 }
 

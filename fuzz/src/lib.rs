@@ -26,7 +26,7 @@ use protocol::code_file::{CodeFile, VERSION};
 use shape::{Formula, Gradient, Number, Series};
 use sim_plant::{Plant, Scenario};
 
-pub use kept::{arrivals, arrivals_live, journal, summary, touches, trace};
+pub use kept::{arrivals, arrivals_live, journal, language, summary, touches, trace};
 
 /// Small, so that every loop ends soon.
 const LIMITS: Limits = Limits {

@@ -45,6 +45,16 @@ fn summary() {
     mutate(targets::summary, &summaries());
 }
 
+/// How a run folder says that its program is read.
+#[test]
+fn language() {
+    let texts = [
+        "dialect = \"fanuc\"\nblock_delete = [1, 2]\nstrict = true\nsubroutines = []\nfrom = 28\n",
+        "dialect = \"linuxcnc\"\nblock_delete = true\ntools = \"tools.tbl\"\nparameters = \"a.var\"\nini = \"b.ini\"\n",
+    ];
+    mutate(targets::language, &texts.map(|text| text.as_bytes().to_vec()));
+}
+
 #[test]
 fn arrivals() {
     mutate(targets::arrivals, &[ARRIVALS.as_bytes().to_vec()]);

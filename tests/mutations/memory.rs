@@ -70,6 +70,9 @@ fn toml_takes_no_more_for_each_byte_than_the_page_says() {
             drop(sim_plant::Scenario::from_toml(text));
         });
         within(TOML_PER_BYTE, &format!("part, {name}"), &text, |text| drop(machine::Part::from_toml(text)));
+        within(TOML_PER_BYTE, &format!("language, {name}"), &text, |text| {
+            drop(toml::from_str::<interpreter::Language>(text));
+        });
         let job = format!("[job]\n{text}");
         within(TOML_PER_BYTE, &format!("job, {name}"), &job, |text| targets::job(text.as_bytes()));
     }
