@@ -228,6 +228,11 @@ fn what_is_no_seam_is_refused_with_its_place() {
         (&format!("{CURVE}x = \"20*t\"\ny = \"0\"\nz = \"9\""), "direction is missing"),
         (
             &format!("{CURVE}x = \"200*t\"\ny = \"0\"\nz = \"9\"\ndirection = [\"0\", \"1\", \"1\"]"),
+            "mm at t = ",
+        ),
+        // What would take seconds to look at to its end.
+        (
+            &format!("{CURVE}x = \"1e9*t\"\ny = \"0\"\nz = \"9\"\ndirection = [\"0\", \"1\", \"1\"]"),
             "the seam takes X from",
         ),
     ] {

@@ -133,6 +133,8 @@ fn walked(
             for (i, bounds) in way.bounds.iter_mut().enumerate() {
                 *bounds = [bounds[0].min(span.from[i] + low[i]), bounds[1].max(span.from[i] + high[i])];
             }
+            // What goes far beyond it is not looked at to its end.
+            way.keeps_travel(machine, false, || format!(" at {}", place(span.t[1])))?;
             for share in [0.0, 0.5, 1.0] {
                 let [_, slope, ..] = span.path.at(share * length);
                 way.turns(machine, &slope, || place(span.t[0] + share * (span.t[1] - span.t[0])));
@@ -184,7 +186,7 @@ impl Travelled {
         }
     }
 
-    /// The same by the whole turns of A and C that are nearest to rest, within the travel of every axis.
+    /// The same by the whole turns of A and C that are nearest to rest, within their travel.
     fn within_travel(mut self, machine: &Machine, rest: [f64; 4]) -> Result<Travelled, Fault> {
         let configs = POSITIONER_AXES.map(|axis| machine.axis.get(&axis));
         for i in [2, 3] {
@@ -201,20 +203,26 @@ impl Travelled {
                 }
             }
         }
-        for ((axis, config), [least, most]) in POSITIONER_AXES.into_iter().zip(configs).zip(self.bounds) {
-            let Some(config) = config else { continue };
-            let [low, high] = config.travel_mm;
-            if least < low || most > high {
-                let unit = axis.unit();
+        self.keeps_travel(machine, true, String::new)?;
+        Ok(self)
+    }
+
+    /// Refuses what takes a linear or a rotary axis beyond its travel; `at`: where that was seen.
+    fn keeps_travel(&self, machine: &Machine, is_rotary: bool, at: impl Fn() -> String) -> Result<(), Fault> {
+        for (axis, [least, most]) in POSITIONER_AXES.into_iter().zip(self.bounds) {
+            let config = machine.axis.get(&axis).filter(|_| axis.is_rotary() == is_rotary);
+            let Some(AxisConfig { travel_mm: [low, high], .. }) = config else { continue };
+            if least < *low || most > *high {
+                let (unit, at) = (axis.unit(), at());
                 let message = format!(
-                    "the seam takes {axis} from {least:.3} to {most:.3} {unit}; axis.{}.travel_{unit} is [{low}, {high}]",
+                    "the seam takes {axis} from {least:.3} to {most:.3} {unit}{at}; axis.{}.travel_{unit} is [{low}, {high}]",
                     axis.name()
                 );
                 let help = "clamp the part otherwise (origin_mm, z2_mm), turn the seam, or weld it in parts";
                 return Err(Fault::new("", message, help));
             }
         }
-        Ok(self)
+        Ok(())
     }
 
     /// Warns where a rotary axis lowers the feed, and refuses where next to nothing of it is left.
