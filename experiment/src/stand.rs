@@ -40,7 +40,7 @@ impl Stand {
     /// cases.
     ///
     /// # Errors
-    /// That of the first case that has one.
+    /// That of the first case that has one; those behind it are not begun any more.
     pub(super) fn each<C: Sync, R: Send>(
         &self,
         cases: &[C],
@@ -53,6 +53,9 @@ impl Stand {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 let Some(case) = cases.get(index) else { return };
                 let result = compute(case);
+                if result.is_err() {
+                    next.store(cases.len(), Ordering::Relaxed);
+                }
                 done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
                 bar.inc(1);
             }
