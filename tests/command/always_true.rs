@@ -14,8 +14,13 @@ fn a_full_disk_costs_the_trace_and_not_the_summary() {
         return;
     }
     let program = example("m20x2").display().to_string();
-    for (kb, trace) in [(300, "mcap"), (300, "csv"), (2000, "mcap")] {
-        for how in ["--in-process", ""] {
+    // Whoever runs it, one recorder writes the trace: in processes one of them is enough.
+    for (kb, trace, hows) in [
+        (300, "mcap", &["--in-process", ""][..]),
+        (300, "csv", &["--in-process"]),
+        (2000, "mcap", &["--in-process"]),
+    ] {
+        for how in hows {
             let place = Place::new();
             fs::create_dir(place.at("disk")).expect("a folder");
             let script = format!(

@@ -5,6 +5,7 @@
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
+    sync::OnceLock,
 };
 
 use protocol::Axis;
@@ -20,6 +21,8 @@ use crate::shop::{
 };
 
 const KILLS: u32 = 20;
+/// What the next start is to run.
+const SHORT: &str = "G18 G21 G90 G94\nG0 X50 Z90\nG1 X49 F600\nM2\n";
 /// Deaths of each process in each way, unless `PITCHLOCK_DEATHS` says otherwise.
 const DEATHS: u64 = 6;
 
@@ -35,7 +38,7 @@ fn moments() -> impl Iterator<Item = f64> {
 #[test]
 fn a_launcher_killed_at_any_moment_spoils_no_later_run() {
     let place = Place::new();
-    let short = place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nG1 X49 F600\nM2\n");
+    let short = place.write("short.ngc", SHORT);
     let mut ids = BTreeSet::new();
     for (n, moment) in moments().enumerate() {
         let mut launcher = place.start(&example("m20x2"));
@@ -96,16 +99,15 @@ fn programs(place: &Place) -> Vec<Program> {
     let feed = format!("{head}G94 G1 Z-100 F3000\nG3 X30 Z-110 K-10 I0\nG1 Z20 X20 F2000\nM5\nM2\n");
     let pass = |n: u32| format!("G0 X{:.2}\nG33 Z-8 K2\nG0 X20\nG0 Z20\n", 9.9 - 0.05 * f64::from(n));
     let many = format!("{head}{}M5\nM2\n", (0..8).map(pass).collect::<String>());
-    let program = |name, text: &str, clear_mm| {
+    let all = [("thread", thread, 12.0), ("feed", feed, 20.0 - BEYOND_CORNER_MM), ("many", many, 12.0)];
+    // How long they are is found out once for all tests.
+    static CYCLES: [OnceLock<u64>; 3] = [const { OnceLock::new() }; 3];
+    let program = |((name, text, clear_mm), cycles): ((_, String, _), &OnceLock<u64>)| {
         let path = place.write(&format!("{name}.ngc"), text);
-        let cycles = place.run_inside(&path, None).cycles;
+        let cycles = *cycles.get_or_init(|| place.run_inside(&path, None).cycles);
         Program { name, path, cycles, clear_mm }
     };
-    vec![
-        program("thread", &thread, 12.0),
-        program("feed", &feed, 20.0 - BEYOND_CORNER_MM),
-        program("many", &many, 12.0),
-    ]
+    all.into_iter().zip(&CYCLES).map(program).collect()
 }
 
 /// Runs a program, in which a process is felled in a control cycle.
@@ -221,7 +223,8 @@ fn dies_anywhere(name: &str, how: &str) -> Vec<String> {
             wrong.push(format!("{} {what} leaves {left:?}", program.name));
         }
     }
-    let summary = place.run(&programs[2].path, "after", &["--trace", "none"]);
+    let short = place.write("short.ngc", SHORT);
+    let summary = place.run(&short, "after", &["--trace", "none"]);
     assert_eq!(summary.outcome, Outcome::Completed, "after all of {name} {how}");
     wrong
 }

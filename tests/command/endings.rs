@@ -11,6 +11,7 @@ use std::{
 use process::ipc::time::Moment;
 use rig::observe::{Outcome, Summary};
 
+use crate::resume::recorded;
 use crate::shop::{Answer, Place, alive, children, name_spaces, shared_memory, signal, until, wait_s};
 
 /// Bytes that a pipe holds.
@@ -57,13 +58,9 @@ pub(crate) fn slow_machine() -> String {
     machine::PLAIN_LATHE.lines().map(line).collect()
 }
 
-/// Waits until so many control cycles of a run are recorded: a number at the head of a file.
+/// Waits until so many control cycles of a run are recorded.
 pub(crate) fn has_come_to(place: &Place, cycle: u64) {
-    let recorded = || {
-        let bytes = std::fs::read(place.at("run/moment.bin")).unwrap_or_default();
-        bytes.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
-    };
-    until("the machine runs", || recorded() >= cycle);
+    until("the machine runs", || recorded(&place.at("run")) >= cycle);
 }
 
 /// Waits until the machine of a run has moved for a while, and is not only being started.

@@ -5,6 +5,7 @@ use std::process::Stdio;
 
 use rig::observe::{Outcome, Summary};
 
+use crate::replay::THREAD;
 use crate::shop::{Answer, Place, example, signal, until};
 
 /// As many seconds on the machine for each second on the wall, and the least that a run takes by it, s.
@@ -15,10 +16,9 @@ fn takes(summary: &Summary, pace: f64) -> f64 {
 #[test]
 fn a_run_is_the_same_at_any_pace_and_takes_its_time() {
     let place = Place::new();
-    let program = example("m20x2");
+    let program = place.write("thread.ngc", THREAD);
     let free = place.run_inside(&program, None);
-    for (pace, number, how) in [("25", 25.0, &[][..]), ("40", 40.0, &["--in-process"]), ("1000", 1000.0, &[])]
-    {
+    for (pace, number, how) in [("5", 5.0, &[][..]), ("8", 8.0, &["--in-process"]), ("1000", 1000.0, &[])] {
         let asked = [&["--trace", "none", "--pace", pace], how].concat();
         let paced = place.run(&program, "paced", &asked);
         assert_eq!((&paced.trace_hash, paced.cycles), (&free.trace_hash, free.cycles), "{asked:?}");

@@ -151,7 +151,8 @@ fn seeds_of_the_soak_with_their_faults_are_the_same_again() {
     assert!(over_processes > 0, "none of them ran as processes");
 }
 
-const THREAD: &str = "G18 G21 G90 G8\nM3 S1500\nG0 X20 Z20\nG0 X9\nG33 Z-60 K2\nG0 X20\nG0 Z20\nM5\nM2\n";
+pub(crate) const THREAD: &str =
+    "G18 G21 G90 G8\nM3 S1500\nG0 X20 Z20\nG0 X9\nG33 Z-60 K2\nG0 X20\nG0 Z20\nM5\nM2\n";
 
 #[test]
 fn runs_in_which_a_process_dies_are_the_same_again() {

@@ -27,7 +27,7 @@ fn cuts() -> u64 {
 }
 
 /// Control cycles that are recorded so far.
-fn recorded(folder: &Path) -> u64 {
+pub(crate) fn recorded(folder: &Path) -> u64 {
     let bytes = fs::read(folder.join("moment.bin")).unwrap_or_default();
     bytes.get(..8).and_then(|cycles| cycles.try_into().ok()).map_or(0, u64::from_le_bytes)
 }

@@ -176,12 +176,12 @@ fn a_pause_waits_for_start_and_a_hold_for_whoever_pressed_it() {
     );
     assert_eq!(state["prompt"], "measure the bore", "what the pause is for is said beside it");
     let since = state["time_s"].as_f64().expect("a time");
-    until("ten seconds are over", || panel.state()["time_s"].as_f64().is_some_and(|now| now > since + 10.0));
+    until("three seconds are over", || panel.state()["time_s"].as_f64().is_some_and(|now| now > since + 3.0));
     panel.press("hold");
     until("it is held", || panel.state()["state"] == "held");
     let since = panel.state()["time_s"].as_f64().expect("a time");
     // Where nobody stood at the panel it would be stopped after 60 s.
-    until("ninety more", || panel.state()["time_s"].as_f64().is_some_and(|now| now > since + 90.0));
+    until("seventy more", || panel.state()["time_s"].as_f64().is_some_and(|now| now > since + 70.0));
     panel.press("start");
     let (status, summary) = ended(panel);
     assert_eq!((status, summary.outcome, summary.warnings.len()), (Some(0), Outcome::Completed, 0));
