@@ -161,3 +161,24 @@ impl Stand {
         bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whoever of several is done first, the failure is told that comes first among the cases; and those far
+    /// behind it are not made for nothing.
+    #[test]
+    fn the_first_failure_is_told_and_ends_it() {
+        let stand = Stand { machine: Machine::default(), seed: 1, progress: false };
+        let (cases, made): (Vec<usize>, _) = ((0..10_000).collect(), AtomicUsize::new(0));
+        let failed = stand.each(&cases, |case| {
+            if (3..5000).contains(case) {
+                return Err(ExperimentError::Machine(format!("case {case}")));
+            }
+            Ok(made.fetch_add(1, Ordering::Relaxed))
+        });
+        assert!(failed.is_err_and(|error| error.to_string().ends_with("case 3")));
+        assert_eq!(made.into_inner(), 3);
+    }
+}
