@@ -202,8 +202,10 @@ pub fn job(bytes: &[u8]) {
     }
 }
 
-/// The bytes as a document of somebody at the panel: a request that the plant takes, or refused by name.
+/// The bytes as a document of somebody at the panel: a request that the plant takes, or refused by name; or
+/// what he wants to see in the scope, whose picture is bounded.
 pub fn press(bytes: &[u8]) {
+    assert!(panel::scoped(bytes).is_none_or(|length| length < 8 << 20));
     match panel::pressed(bytes) {
         Ok(Some(request)) => assert!(request.unpack().is_ok(), "{request:?}"),
         Ok(None) => {}

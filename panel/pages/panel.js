@@ -13,8 +13,9 @@ const waits = new Map();
 
 function connect() {
   socket = new WebSocket(`ws://${location.host}/api/live`, ["pitchlock.panel.1", "token." + token]);
-  socket.onopen = () => lamp("live", "on");
-  socket.onmessage = (event) => take(JSON.parse(event.data));
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => { lamp("live", "on"); wanted(); };
+  socket.onmessage = (event) => (event.data instanceof ArrayBuffer ? scopePicture(event.data) : take(JSON.parse(event.data)));
   socket.onclose = () => {
     lamp("not connected", "off");
     for (const [, told] of waits) told({ refused: "gone", why: "the panel is not connected" });
@@ -31,6 +32,7 @@ function take(news) {
     if (told) told(news);
     return;
   }
+  if (news.scope) return scopeTold(news.scope);
   if (news.trail) {
     trail.length = news.trail.from;
     for (const point of news.trail.points) trail.push(point);
@@ -103,6 +105,7 @@ function show(news) {
   if ("line" in news) mark();
   if (news.passes || "cutting" in news) passes();
   if (news.faults || news.messages) told();
+  scopeNews(news);
   if (!drawn) { drawn = true; requestAnimationFrame(() => { drawn = false; draw(); }); }
 }
 
@@ -437,4 +440,4 @@ for (const name of ["spindle", "feed", "rapid"]) {
 $("take").onclick = () => press(state.seat === me ? "leave-seat" : "take-seat");
 $("frame").onclick = () => { ofWork = !ofWork; if (state.axes) axes(); };
 window.onresize = () => draw();
-connect();
+window.addEventListener("load", connect);

@@ -1,8 +1,10 @@
-//! The launcher's end of the socket to the panel. In: what is seen, answers. Out: presses. Nothing here
-//! waits: while the panel does not read, there is at most one state and [`MOST_ANSWERS`] bytes of answers on
-//! the way, and what does not fit is counted.
+//! The launcher's end of the socket to the panel. In: what is seen, answers, rows of the scope. Out: presses.
+//! Nothing here waits: while the panel does not read, there is at most one state, [`MOST_ANSWERS`] bytes of
+//! answers and [`MOST_ROWS`] bytes of rows on the way, and what does not fit is counted. Messages go before
+//! rows.
 
 use std::{
+    collections::VecDeque,
     io::{ErrorKind, Read as _, Write as _},
     os::unix::net::UnixStream,
 };
@@ -11,6 +13,8 @@ use crate::wire::{FromPanel, ToPanel};
 
 /// Most bytes of answers that wait for a panel that does not read.
 const MOST_ANSWERS: usize = 16 << 10;
+/// Most bytes of rows that do: four seconds of a lathe at 0.5 ms.
+const MOST_ROWS: usize = 4 << 20;
 /// Most bytes of presses that are read at once, and that a press may have.
 const MOST_READ: usize = 4 << 10;
 
@@ -18,9 +22,14 @@ const MOST_READ: usize = 4 << 10;
 #[derive(Debug)]
 pub struct Link {
     stream: UnixStream,
-    /// What is on the way, and how much of it the socket has taken.
-    out: Vec<u8>,
+    /// What is being written, how much of it the socket has taken, and whether it is rows.
+    now: Vec<u8>,
     taken: usize,
+    of_rows: bool,
+    /// Messages behind it, and rows behind these.
+    out: Vec<u8>,
+    rows: VecDeque<Vec<u8>>,
+    rows_bytes: usize,
     read: Vec<u8>,
     dropped: u64,
     broken: bool,
@@ -33,23 +42,74 @@ impl Link {
     /// The system refuses a socket that does not wait.
     pub fn new(stream: UnixStream) -> std::io::Result<Link> {
         stream.set_nonblocking(true)?;
-        Ok(Link { stream, out: Vec::new(), taken: 0, read: Vec::new(), dropped: 0, broken: false })
+        Ok(Link {
+            stream,
+            now: Vec::new(),
+            taken: 0,
+            of_rows: false,
+            out: Vec::new(),
+            rows: VecDeque::new(),
+            rows_bytes: 0,
+            read: Vec::new(),
+            dropped: 0,
+            broken: false,
+        })
     }
 
-    /// Whether the panel has taken all that was on the way.
+    /// Whether the panel has taken all messages that were on the way.
     pub fn is_free(&mut self) -> bool {
-        while self.taken < self.out.len() && !self.broken {
-            match self.stream.write(&self.out[self.taken..]) {
+        while !self.broken && (self.taken < self.now.len() || self.goes_on()) {
+            match self.stream.write(&self.now[self.taken..]) {
                 Ok(0) => self.broken = true,
                 Ok(written) => self.taken += written,
-                Err(error) if error.kind() == ErrorKind::WouldBlock => return false,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(_) => self.broken = true,
             }
         }
-        self.out.clear();
+        !self.broken && self.messages() == 0
+    }
+
+    /// Begins with what is to be written next, if there is anything.
+    fn goes_on(&mut self) -> bool {
+        self.now.clear();
         self.taken = 0;
-        !self.broken
+        self.of_rows = self.out.is_empty();
+        if !self.of_rows {
+            std::mem::swap(&mut self.now, &mut self.out);
+            return true;
+        }
+        let Some(rows) = self.rows.pop_front() else { return false };
+        self.rows_bytes -= rows.len();
+        self.now = rows;
+        true
+    }
+
+    /// Bytes of messages on the way.
+    fn messages(&self) -> usize {
+        self.out.len() + if self.of_rows { 0 } else { self.now.len() - self.taken }
+    }
+
+    /// Sends rows of the scope, as long as not too many are on the way, and says whether.
+    pub fn rows(&mut self, numbers: &[f64]) -> bool {
+        self.is_free();
+        let room = self.has_room() && !self.broken;
+        match serde_json::to_vec(&ToPanel::Rows(numbers.len())) {
+            Ok(mut frame) if room => {
+                frame.push(b'\n');
+                frame.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+                self.rows_bytes += frame.len();
+                self.rows.push_back(frame);
+                self.is_free();
+            }
+            _ => self.dropped += 1,
+        }
+        room
+    }
+
+    /// Whether there is room for more rows.
+    pub fn has_room(&self) -> bool {
+        self.rows_bytes < MOST_ROWS
     }
 
     /// Sends this if nothing is on the way, and says whether. What is not sent is counted: a newer state
@@ -67,7 +127,7 @@ impl Link {
 
     /// Sends this behind what is on the way, as long as that is not much.
     pub fn answer(&mut self, message: &ToPanel) {
-        if self.is_free() || self.out.len() - self.taken < MOST_ANSWERS {
+        if self.is_free() || self.messages() < MOST_ANSWERS {
             self.put(message);
             self.is_free();
         } else {
@@ -145,7 +205,7 @@ mod tests {
             }
         }
         assert!(link.dropped() > 90_000 && !link.is_broken(), "{}", link.dropped());
-        assert!(link.out.len() < MOST_ANSWERS + 12_000, "{} bytes wait", link.out.len());
+        assert!(link.messages() < MOST_ANSWERS + 12_000, "{} bytes wait", link.messages());
         let mut lines = BufReader::new(theirs).lines();
         let mut seen = Vec::new();
         for newest in 100_000..100_200 {
@@ -161,6 +221,37 @@ mod tests {
         }
         assert!(!seen.is_empty() && seen == offered[..seen.len()], "in order, none between left out");
         assert!(offered.last().is_some_and(|last| *last > 100_000), "it goes on where it is now");
+    }
+
+    /// Rows that nobody takes are kept up to a bound; a state comes before those that wait, and all that were
+    /// taken come whole and in order.
+    #[test]
+    fn rows_wait_up_to_a_bound_and_messages_go_before_them() {
+        let (ours, theirs) = UnixStream::pair().expect("a pair of sockets");
+        let mut link = Link::new(ours).expect("it need not wait");
+        let given = (0..2000).filter(|number| link.rows(&[f64::from(*number); 1000])).count();
+        assert!((500..1000).contains(&given) && !link.has_room(), "{given}");
+        assert!(link.offer(&state(7)), "rows are in nobody's way");
+        assert!(!link.offer(&state(8)), "one state is");
+        let mut reader = BufReader::new(theirs);
+        let (mut next, mut line, mut seen) = (0, String::new(), None);
+        while next < given {
+            link.is_free();
+            line.clear();
+            reader.read_line(&mut line).expect("it can be read");
+            match serde_json::from_str(&line).expect("a whole message") {
+                ToPanel::Rows(count) => {
+                    let mut bytes = vec![0; 8 * count];
+                    link.is_free();
+                    std::io::Read::read_exact(&mut reader, &mut bytes).expect("they come");
+                    assert_eq!(bytes[..8], (next as f64).to_le_bytes());
+                    next += 1;
+                }
+                ToPanel::Set(_) => seen = Some(next),
+                other => panic!("{other:?}"),
+            }
+        }
+        assert!(seen.is_some_and(|seen| seen < given / 2), "{seen:?} of {given}");
     }
 
     #[test]

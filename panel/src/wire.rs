@@ -21,6 +21,17 @@ pub enum ToPanel {
     Trail(Vec<Point>),
     /// A run begins: the tool has not gone anywhere yet.
     NoTrail,
+    /// The scope begins anew.
+    Scope {
+        /// Names of the columns of its rows: those of a trace.
+        columns: Vec<String>,
+        /// Control cycle, s.
+        cycle_s: f64,
+        /// So many rows are kept.
+        most: usize,
+    },
+    /// Rows of the scope: so many numbers, eight bytes each, follow behind this line.
+    Rows(usize),
     /// A press has its cycle.
     Taken {
         /// Which press.

@@ -11,6 +11,7 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock panel                                 without a program: jog, and give blocks by hand
   pitchlock panel part.ngc --machine my-lathe.toml --pace 0.2
   pitchlock panel runs/part-1                     plays a run that is over: pause, step, speed
+  pitchlock panel runs/part-1/trace.mcap          opens a trace in the scope
   pitchlock run part.ngc --panel                  starts at once, and ends with the run
   pitchlock run runs/part-1                       repeats a session from its folder, bit for bit
 

@@ -14,6 +14,7 @@ use super::{
     hand::Hand,
     known::Known,
     mode::{Mode, Press},
+    scope::Rows,
     session::{Session, Who, request},
     tables::Tables,
     view::{self, Counts},
@@ -63,6 +64,9 @@ pub(crate) struct Live {
     pub(super) mode: Mode,
     /// Offsets and tools.
     pub(super) tables: Tables,
+    /// What goes to the scope, and whether the panel was told of it anew.
+    pub(super) rows: Rows,
+    anew: bool,
 }
 
 /// A document as its fields.
@@ -76,11 +80,13 @@ pub(super) fn fields(of: &impl Serialize) -> Map<String, Value> {
 impl Live {
     /// Nothing runs yet.
     pub(crate) fn new(web: Web, ends_with_its_run: bool, tables: Tables) -> Live {
+        let rows = Rows::of(tables.machine());
+        let still = fields(&json!({ "signals": rows.signals() }));
         Live {
             ends_with_its_run,
             web,
             session: Session::default(),
-            still: Map::new(),
+            still,
             known: Known::default(),
             turned: None,
             trail: Vec::new(),
@@ -94,6 +100,8 @@ impl Live {
             hand: None,
             mode: Mode::Off,
             tables,
+            rows,
+            anew: false,
         }
     }
 
@@ -121,7 +129,7 @@ impl Live {
         let empty = json!([]);
         let none = json!({
             "program": program, "machine": machine, "outcome": null, "way": way,
-            "passes": empty, "messages": empty, "faults": empty,
+            "passes": empty, "messages": empty, "faults": empty, "signals": self.rows.signals(),
         });
         self.stands(fields(&none));
         self.stale = true;
@@ -131,7 +139,9 @@ impl Live {
     pub(super) fn look(&mut self) {
         self.stale |= self.web.look();
         if self.stale && self.web.link.offer(&ToPanel::NoTrail) {
+            self.web.link.answer(&self.rows.head());
             self.web.link.answer(&ToPanel::Set(self.still.clone()));
+            self.anew = true;
             (self.stale, self.told, self.lists) = (false, 0, None);
             self.untold.clear();
         }
@@ -141,6 +151,11 @@ impl Live {
         self.draw();
         // What is on its way goes on.
         self.web.link.is_free();
+    }
+
+    /// Whether the scope has begun anew since somebody asked.
+    pub(super) fn told_anew(&mut self) -> bool {
+        std::mem::take(&mut self.anew)
     }
 
     /// One control cycle of a run.
@@ -153,6 +168,9 @@ impl Live {
             self.mode = Mode::of(record, self.hand.as_ref().map(Hand::doing));
         }
         self.takes_a_turn(record);
+        if self.rows.cycle(record, observer) {
+            self.sends_rows();
+        }
         if !cycle.is_multiple_of(EVERY) {
             return;
         }
@@ -167,6 +185,11 @@ impl Live {
         if last || self.shown.elapsed() >= SHOWN {
             self.show(record, observer);
         }
+    }
+
+    /// Sends rows of the scope to a panel that knows what they are.
+    pub(super) fn sends_rows(&mut self) {
+        self.rows.send((!self.stale).then_some(&mut self.web.link));
     }
 
     /// The tool has come to a place.

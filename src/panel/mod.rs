@@ -7,8 +7,10 @@ pub(crate) mod hand;
 mod known;
 mod live;
 mod mode;
+mod opened;
 mod plan;
 mod playback;
+mod scope;
 mod session;
 mod tables;
 mod view;
@@ -47,6 +49,7 @@ use crate::{
     run::{self, Prepared, RunArgs, interrupts::Interrupts},
     screen, words,
 };
+use scope::Rows;
 use tables::Tables;
 use web::Web;
 
@@ -71,6 +74,7 @@ impl Live {
         self.begins_by_hand(setup)?;
         let run = Shown::begins(setup);
         let (program, machine) = stays(&run, &setup.program.observer(&setup.machine));
+        self.rows = Rows::of(&setup.machine);
         self.begins(&program, &machine, Known::of(&run));
         self.shows_tables(self.tables.begun(&setup.folder.language));
         Ok(())
@@ -88,6 +92,9 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     }
     if asked.program.is_dir() {
         return playback::playback(asked, quiet);
+    }
+    if opened::is_trace(&asked.program) {
+        return opened::opened(asked, quiet);
     }
     // Whatever is wrong with the input is said before there is a panel.
     let loaded = asked.program.as_os_str() != args::BY_HAND;
@@ -209,6 +216,6 @@ pub(crate) fn server() -> Result<ExitCode, CliError> {
     let wrong = |error: std::io::Error| CliError::Machine(format!("panel-server: {error}"));
     let link = std::io::stdin().as_fd().try_clone_to_owned().map_err(wrong)?;
     let listener = std::io::stdout().as_fd().try_clone_to_owned().map_err(wrong)?;
-    ::panel::serve(TcpListener::from(listener), UnixStream::from(link)).map_err(wrong)?;
+    ::panel::serve(TcpListener::from(listener), UnixStream::from(link), scope::saved).map_err(wrong)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -16,6 +16,7 @@ use super::{
     known::{Known, Shown, stays},
     live::{Live, fields},
     mode::{Mode, Press},
+    scope::Rows,
     tables::shown,
     view,
 };
@@ -75,6 +76,7 @@ pub(super) fn playback(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliErro
         Player { recorded: &recorded, run, again, observer, next: 0, until, speed, to, due, changed, same };
     player.begins(&mut live, &asked.program);
     player.goes(&mut live, 1)?;
+    live.look();
     let mut before = Moment::now();
     while !interrupts.is_wished() {
         player.asked(&mut live, &asked.program)?;
@@ -82,6 +84,8 @@ pub(super) fn playback(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliErro
         player.due += before.elapsed().as_secs_f64() * player.speed / cycle_s;
         before = Moment::now();
         let most = player.to.map_or(player.due as u64, |to| to - player.next).min(AT_ONCE);
+        // The scope misses nothing of a recording: it waits for the panel.
+        let most = if live.web.link.has_room() { most } else { 0 };
         player.due = (player.due - most as f64).clamp(0.0, 1.0);
         let stands = player.goes(&mut live, most)?;
         live.look();
@@ -96,6 +100,7 @@ impl Player<'_> {
     /// Shows what stays the same, at the beginning.
     fn begins(&self, live: &mut Live, dir: &Path) {
         let (program, machine) = stays(&self.run, &self.observer);
+        live.rows = Rows::of(self.run.machine);
         live.begins(&program, &machine, Known::of(&self.run));
         live.shows_tables(shown(Table::of(self.run.language, self.run.machine, None)));
         self.shows(live, dir);
@@ -187,6 +192,7 @@ impl Live {
     fn plays(&mut self, record: &Record, observer: &Observer, last: bool) {
         self.cycle(record, observer);
         if last {
+            self.sends_rows();
             let mut shown = fields(&view::seen(record, observer, None, &mut self.known));
             self.shows_hand(&mut shown);
             self.stands(shown);

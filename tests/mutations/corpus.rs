@@ -33,12 +33,15 @@ pub(crate) const ARRIVALS: &str = "pitchlock arrivals 1\nmachine processes\nunti
                 5005 drive-command/x due\n7000 operator 6\n7100 axis-status/interpolator/z nothing\n";
 
 /// Documents of somebody at the panel.
-pub(crate) const PRESSES: [&str; 5] = [
+pub(crate) const PRESSES: [&str; 7] = [
     r#"{"id": 1, "do": "hold", "as": "me"}"#,
     r#"{"id": "a", "do": "spindle-override", "value": 62.5, "as": "browser-1"}"#,
     r#"{"id": 2, "do": "single-block", "value": true, "as": "x"}"#,
     r#"{"id": 3, "do": "take-seat", "as": "x"}"#,
     r#"{"id": 4, "do": "jog", "value": 1, "as": "x"}"#,
+    r#"{"scope": {"signals": ["pass"], "x": "turn", "mode": "stand", "from": 10, "span": 99, "points": 100}}"#,
+    r#"{"scope": {"signals": ["cycle"], "x": "time", "mode": "normal", "span": 0.1, "points": 50, "pre": 0.5,
+        "trigger": {"signal": "cycle", "level": 5e2, "edge": "either"}}}"#,
 ];
 
 /// A contour of each side, and a surface of each pattern, with a tool that is small beside it: what it

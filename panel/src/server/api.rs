@@ -1,11 +1,11 @@
-//! What is there: three pages, the state, one place to ask for something, one WebSocket.
+//! What is there: pages, the state, one place to ask for something, one WebSocket, files of the scope.
 
 use std::sync::Arc;
 
 use axum::{
     Router,
     body::Bytes,
-    extract::{DefaultBodyLimit, State, WebSocketUpgrade},
+    extract::{DefaultBodyLimit, RawQuery, State, WebSocketUpgrade},
     http::{HeaderMap, StatusCode, header},
     middleware,
     response::{IntoResponse as _, Response},
@@ -28,7 +28,9 @@ pub(crate) fn router(house: Arc<House>) -> Router {
     let mut router = Router::new()
         .route("/api/state", get(all))
         .route("/api/do", post(ask))
-        .route("/api/live", get(live_socket));
+        .route("/api/live", get(live_socket))
+        .route("/api/scope.csv", get(async |State(house), query| saved("csv", house, query).await))
+        .route("/api/scope.mcap", get(async |State(house), query| saved("mcap", house, query).await));
     for (path, kind, content) in PAGES {
         router = router.route(path, get(async move || ([(header::CONTENT_TYPE, kind)], content)));
     }
@@ -64,6 +66,44 @@ async fn ask(State(house): State<Arc<House>>, headers: HeaderMap, body: Bytes) -
         Some(_) => StatusCode::CONFLICT,
     };
     document(status, &answer)
+}
+
+/// Which control cycles go into a file, the last one among them.
+struct Cycles {
+    from: u64,
+    to: u64,
+}
+
+/// A file of what the ring of the scope has of these cycles.
+async fn saved(kind: &'static str, house: Arc<House>, query: RawQuery) -> Response {
+    let Some(Cycles { from, to }) = query.0.as_deref().and_then(cycles) else {
+        return (StatusCode::BAD_REQUEST, "?from=CYCLE&to=CYCLE says which\n").into_response();
+    };
+    let Ok(place) = Arc::clone(&house.files).try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "another file is being written: wait for it\n")
+            .into_response();
+    };
+    let (columns, rows) = {
+        let ring = house.ring();
+        (ring.columns().to_vec(), ring.part(ring.between(from as f64, to as f64 + 1.0)))
+    };
+    if rows.is_empty() {
+        return (StatusCode::NOT_FOUND, "none of these cycles is kept\n").into_response();
+    }
+    let save = house.save;
+    let made = tokio::task::spawn_blocking(move || (save)(kind, &columns, &rows)).await;
+    drop(place);
+    match made {
+        Ok(Ok(bytes)) => ([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response(),
+        Ok(Err(why)) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{why}\n")).into_response(),
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error}\n")).into_response(),
+    }
+}
+
+/// `from=1&to=2`.
+fn cycles(query: &str) -> Option<Cycles> {
+    let (from, to) = query.strip_prefix("from=")?.split_once("&to=")?;
+    Some(Cycles { from: from.parse().ok()?, to: to.parse().ok()? })
 }
 
 /// Becomes a WebSocket.

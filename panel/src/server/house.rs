@@ -15,13 +15,19 @@ use tokio::{
 
 use super::state::State;
 use crate::{
+    Save,
     press::{self, Asked, Refusal},
+    scope::Ring,
     seen,
     wire::{FromPanel, ToPanel},
 };
 
 /// Most WebSockets at once.
 const MOST_SOCKETS: usize = 32;
+/// Most scopes at once.
+const MOST_SCOPES: usize = 8;
+/// Most files that are written at once.
+const MOST_FILES: usize = 1;
 /// So long a press waits for its cycle.
 const ANSWER_TIME: Duration = Duration::from_secs(3);
 
@@ -36,8 +42,13 @@ pub(crate) struct House {
     /// The last ticket, and who waits with which.
     waiting: Mutex<(u64, BTreeMap<u64, oneshot::Sender<Answer>>)>,
     seat: Mutex<Option<String>>,
-    /// Places of WebSockets.
+    /// Places of WebSockets, of scopes, and of files that are being written.
     pub(crate) sockets: Arc<Semaphore>,
+    pub(crate) scopes: Arc<Semaphore>,
+    pub(crate) files: Arc<Semaphore>,
+    /// What the scope shows, and how it is saved.
+    ring: Mutex<Ring>,
+    pub(crate) save: Save,
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -46,7 +57,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl House {
     /// One whose presses go there.
-    pub(crate) fn new(press: mpsc::Sender<FromPanel>) -> House {
+    pub(crate) fn new(press: mpsc::Sender<FromPanel>, save: Save) -> House {
         let (state, _) = watch::channel(State::default());
         let house = House {
             token: Mutex::default(),
@@ -55,6 +66,10 @@ impl House {
             waiting: Mutex::default(),
             seat: Mutex::default(),
             sockets: Arc::new(Semaphore::new(MOST_SOCKETS)),
+            scopes: Arc::new(Semaphore::new(MOST_SCOPES)),
+            files: Arc::new(Semaphore::new(MOST_FILES)),
+            ring: Mutex::default(),
+            save,
         };
         house.state.send_modify(|state| state.set(seen::nothing()));
         house.seat(None);
@@ -68,9 +83,23 @@ impl House {
             ToPanel::Set(fields) => self.state.send_modify(|state| state.set(fields)),
             ToPanel::Trail(points) => self.state.send_modify(|state| state.trail.go_on(points)),
             ToPanel::NoTrail => self.state.send_modify(|state| state.trail.begin()),
+            ToPanel::Scope { columns, cycle_s, most } => self.ring().begin(columns, cycle_s, most),
+            // Their numbers come behind the message.
+            ToPanel::Rows(_) => {}
             ToPanel::Taken { ticket, cycle } => self.answered(ticket, Ok(cycle)),
             ToPanel::Refused { ticket, code, why } => self.answered(ticket, Err((code, why))),
         }
+    }
+
+    /// Takes rows of the scope.
+    pub(crate) fn rows(&self, bytes: &[u8]) {
+        let numbers: Vec<f64> = bytes.as_chunks().0.iter().copied().map(f64::from_le_bytes).collect();
+        self.ring().take(&numbers);
+    }
+
+    /// What the scope shows.
+    pub(crate) fn ring(&self) -> MutexGuard<'_, Ring> {
+        locked(&self.ring)
     }
 
     /// Whether this is the secret. How long that takes tells nothing but its length.
@@ -191,7 +220,7 @@ mod tests {
     fn house() -> (Arc<House>, mpsc::Receiver<FromPanel>, Runtime) {
         let (press, presses) = mpsc::channel(2);
         let runtime = Builder::new_current_thread().enable_time().build().expect("a runtime");
-        (Arc::new(House::new(press)), presses, runtime)
+        (Arc::new(House::new(press, |_, _, _| Err("not here".into()))), presses, runtime)
     }
 
     #[test]

@@ -1,19 +1,23 @@
-//! One WebSocket. Out: what changed, 25 times a second at most, and answers. In: documents as `/api/do` takes
-//! them. One that does not read is closed, and costs nobody else anything.
+//! One WebSocket. Out: what changed, 25 times a second at most, answers, pictures of the scope. In:
+//! documents as `/api/do` takes them, and settings of the scope. One that does not read is closed, and costs
+//! nobody else anything.
 
 use std::{sync::Arc, time::Duration};
 
 use axum::extract::ws::{Message, WebSocket};
 use serde_json::{Value, json};
 use tokio::{
-    sync::mpsc,
+    sync::{OwnedSemaphorePermit, mpsc},
     time::{MissedTickBehavior, interval, timeout},
 };
 
 use super::{house::House, state::State};
+use crate::scope::Scope;
 
 /// Between two looks at the state.
 pub(crate) const BEAT: Duration = Duration::from_millis(40);
+/// Between two pictures of the scope.
+const LOOK: Duration = Duration::from_millis(100);
 /// So long one may take for a message before it is given up.
 const READ_TIME: Duration = Duration::from_secs(10);
 /// Documents of one socket that wait for their answers.
@@ -26,6 +30,9 @@ pub(crate) async fn live(mut socket: WebSocket, house: &Arc<House>) {
     let mut beat = interval(BEAT);
     beat.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let (answer, mut answers) = mpsc::channel::<Value>(MOST_WAITING);
+    let (mut scope, mut room) = (Scope::default(), None);
+    let mut looks = interval(LOOK);
+    looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     watch.mark_changed();
     loop {
         let news = tokio::select! {
@@ -37,26 +44,53 @@ pub(crate) async fn live(mut socket: WebSocket, house: &Arc<House>) {
                 let news = state.since(&seen);
                 seen = state;
                 let Some(news) = news else { continue };
-                news
+                Message::text(news.to_string())
             }
-            Some(news) = answers.recv() => news,
+            _ = looks.tick(), if scope.is_open() => {
+                let picture = scope.picture(&house.ring());
+                let Some(picture) = picture else { continue };
+                Message::binary(picture)
+            }
+            Some(news) = answers.recv() => Message::text(news.to_string()),
             message = socket.recv() => match message {
-                Some(Ok(Message::Text(text))) => match answer.clone().try_reserve_owned() {
-                    Ok(place) => {
-                        let house = Arc::clone(house);
-                        tokio::spawn(async move { place.send(house.ask(text.as_bytes()).await) });
-                        continue;
+                Some(Ok(Message::Text(text))) => match scope.set(&text, &house.ring()) {
+                    Some(told) => Message::text(with_room(told, &mut scope, &mut room, house).to_string()),
+                    None => {
+                        if let Ok(place) = answer.clone().try_reserve_owned() {
+                            let house = Arc::clone(house);
+                            tokio::spawn(async move { place.send(house.ask(text.as_bytes()).await) });
+                            continue;
+                        }
+                        let told = json!({ "id": null, "refused": "too-many", "why": "wait for the answers" });
+                        Message::text(told.to_string())
                     }
-                    Err(_) => json!({ "id": null, "refused": "too-many", "why": "wait for the answers" }),
                 },
                 Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
                 // The end; bytes; and what breaks the rules of WebSockets.
                 _ => return,
             },
         };
-        let sent = timeout(READ_TIME, socket.send(Message::text(news.to_string()))).await;
+        let sent = timeout(READ_TIME, socket.send(news)).await;
         if !matches!(sent, Ok(Ok(()))) {
             return;
         }
     }
+}
+
+/// A scope is drawn as long as not too many are: what somebody is told who has set one.
+fn with_room(
+    told: Value,
+    scope: &mut Scope,
+    room: &mut Option<OwnedSemaphorePermit>,
+    house: &House,
+) -> Value {
+    *room = scope
+        .is_open()
+        .then(|| room.take().or_else(|| Arc::clone(&house.scopes).try_acquire_owned().ok()))
+        .flatten();
+    if room.is_some() || !scope.is_open() {
+        return told;
+    }
+    *scope = Scope::default();
+    json!({ "scope": { "refused": "too-many", "why": "too many scopes are open: close one" } })
 }

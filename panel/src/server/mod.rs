@@ -30,7 +30,10 @@ use tokio::{
     time::timeout,
 };
 
-use crate::wire::{FromPanel, ToPanel};
+use crate::{
+    Save,
+    wire::{FromPanel, ToPanel},
+};
 use house::House;
 
 /// Most connections at once whose request has not been answered.
@@ -43,6 +46,8 @@ const REQUEST_TIME: Duration = Duration::from_secs(15);
 const MOST_HEAD: usize = 16 << 10;
 /// Most bytes of a message of the launcher.
 const MOST_MESSAGE: u64 = 16 << 20;
+/// Most numbers of rows at once.
+const MOST_NUMBERS: usize = 1 << 20;
 /// Presses that wait for the launcher.
 const MOST_PRESSES: usize = 64;
 
@@ -50,7 +55,7 @@ const MOST_PRESSES: usize = 64;
 ///
 /// # Errors
 /// The system refuses what a server needs, or the launcher sends what is not understood.
-pub fn serve(listener: StdListener, launcher: StdStream) -> io::Result<()> {
+pub fn serve(listener: StdListener, launcher: StdStream, save: Save) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     launcher.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
@@ -58,7 +63,7 @@ pub fn serve(listener: StdListener, launcher: StdStream) -> io::Result<()> {
         let listener = TcpListener::from_std(listener)?;
         let (from, mut to) = UnixStream::from_std(launcher)?.into_split();
         let (press, mut presses) = mpsc::channel::<FromPanel>(MOST_PRESSES);
-        let house = Arc::new(House::new(press));
+        let house = Arc::new(House::new(press, save));
         tokio::spawn(async move {
             while let Some(press) = presses.recv().await {
                 let mut line = serde_json::to_vec(&press).unwrap_or_default();
@@ -91,6 +96,14 @@ async fn hear(launcher: &mut BufReader<OwnedReadHalf>, house: &House) -> io::Res
         return Ok(false);
     }
     match serde_json::from_slice::<ToPanel>(&line) {
+        Ok(ToPanel::Rows(count)) => {
+            let mut bytes = vec![0; count.min(MOST_NUMBERS) * size_of::<f64>()];
+            // The end of a launcher that died while it wrote.
+            if launcher.read_exact(&mut bytes).await.is_err() {
+                return Ok(false);
+            }
+            house.rows(&bytes);
+        }
         Ok(message) => house.hear(message),
         // The end of a launcher that died while it wrote.
         Err(_) if line.last() != Some(&b'\n') => return Ok(false),

@@ -1,23 +1,25 @@
 //! A trace as comma-separated text. States are spelled by name; numbers in the shortest form that reads back
 //! exactly.
 
-use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::Path;
 
 use csv::StringRecord;
 use protocol::{Axis, AxisState, Motion};
 
 use super::Told;
-use super::row::{Cell, Cells, Row, axes_of, columns};
+use super::{
+    columns::{axes_of, columns},
+    row::{Cell, Cells, Row},
+};
 
-pub(super) struct Writer {
-    out: csv::Writer<File>,
+pub(super) struct Writer<W: Write> {
+    out: csv::Writer<W>,
 }
 
-impl Writer {
-    pub(super) fn create(path: &Path, axes: &[Axis]) -> Told<Writer> {
-        let mut out = csv::WriterBuilder::new().buffer_capacity(1 << 20).from_path(path)?;
+impl<W: Write> Writer<W> {
+    pub(super) fn new(out: W, axes: &[Axis]) -> Told<Writer<W>> {
+        let mut out = csv::WriterBuilder::new().buffer_capacity(1 << 20).from_writer(out);
         out.write_record(columns(axes))?;
         Ok(Writer { out })
     }
@@ -39,8 +41,8 @@ impl Writer {
         Ok(self.out.write_record(None::<&[u8]>)?)
     }
 
-    pub(super) fn finish(mut self) -> Told<()> {
-        Ok(self.out.flush()?)
+    pub(super) fn finish(self) -> Told<W> {
+        Ok(self.out.into_inner().map_err(|error| error.into_error())?)
     }
 }
 

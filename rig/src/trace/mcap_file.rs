@@ -4,8 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{BufWriter, Read};
+use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 use mcap::{
@@ -16,7 +15,10 @@ use mcap::{
 use protocol::{Axis, AxisState, Motion};
 
 use super::Told;
-use super::row::{Cell, Cells, Row, axes_of, described};
+use super::{
+    columns::{axes_of, described},
+    row::{Cell, Cells, Row},
+};
 
 /// Announces little-endian CDR without options.
 const CDR: [u8; 4] = [0, 1, 0, 0];
@@ -25,20 +27,20 @@ const SCHEMA: &str = "pitchlock/msg/Cycle";
 /// Bytes of a chunk before compression: what a viewer unpacks to show one instant.
 const CHUNK: u64 = 1 << 20;
 
-pub(super) struct Writer {
-    out: mcap::Writer<BufWriter<File>>,
+pub(super) struct Writer<W: Write + Seek> {
+    out: mcap::Writer<W>,
     channel_id: u16,
     message: Vec<u8>,
 }
 
-impl Writer {
-    pub(super) fn create(path: &Path, axes: &[Axis]) -> Told<Writer> {
+impl<W: Write + Seek> Writer<W> {
+    pub(super) fn new(out: W, axes: &[Axis]) -> Told<Writer<W>> {
         let options = mcap::WriteOptions::new()
             .profile("ros2")
             .library("pitchlock")
             .chunk_size(Some(CHUNK))
             .compression_threads(0);
-        let mut out = options.create(BufWriter::new(File::create(path)?))?;
+        let mut out = options.create(out)?;
         let schema_id = out.add_schema(SCHEMA, "ros2msg", schema(axes).as_bytes())?;
         let channel_id = out.add_channel(schema_id, TOPIC, "cdr", &BTreeMap::new())?;
         Ok(Writer { out, channel_id, message: Vec::new() })
@@ -65,10 +67,9 @@ impl Writer {
         Ok(self.out.write_to_known_channel(&header, &self.message)?)
     }
 
-    pub(super) fn finish(mut self) -> Told<()> {
+    pub(super) fn finish(mut self) -> Told<W> {
         self.out.finish()?;
-        self.out.into_inner().into_inner()?;
-        Ok(())
+        Ok(self.out.into_inner())
     }
 }
 

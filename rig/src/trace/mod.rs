@@ -5,6 +5,7 @@
 //! schema (every field eight bytes, so a cycle costs a fraction of what JSON would), chunks compressed with
 //! zstd. A CSV trace opens everywhere. Columns are the same in both, see [`columns`]; positions in mm.
 
+mod columns;
 mod csv_file;
 mod mcap_file;
 mod row;
@@ -12,14 +13,19 @@ mod row;
 mod tests;
 mod thin;
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs::File,
+    io::{BufWriter, Cursor, Seek, Write},
+    path::{Path, PathBuf},
+};
 
 use protocol::Axis;
 
 use crate::hash;
 use thin::Thin;
 
-pub use row::{AxisRow, CutRow, Row, columns};
+pub use columns::{axes_of, columns, units};
+pub use row::{AxisRow, CutRow, Row};
 pub use thin::{FULL, STRIDE};
 
 /// How a trace is kept.
@@ -58,12 +64,26 @@ impl TraceError {
     }
 }
 
-enum Writer {
-    Mcap(Box<mcap_file::Writer>),
-    Csv(Box<csv_file::Writer>),
+enum Writer<W: Write + Seek> {
+    Mcap(Box<mcap_file::Writer<W>>),
+    Csv(Box<csv_file::Writer<W>>),
 }
 
-impl Writer {
+impl<W: Write + Seek> Writer<W> {
+    fn new(out: W, format: Format, axes: &[Axis]) -> Told<Writer<W>> {
+        Ok(match format {
+            Format::Mcap => Writer::Mcap(Box::new(mcap_file::Writer::new(out, axes)?)),
+            Format::Csv => Writer::Csv(Box::new(csv_file::Writer::new(out, axes)?)),
+        })
+    }
+
+    fn finish(self) -> Told<W> {
+        match self {
+            Writer::Mcap(writer) => writer.finish(),
+            Writer::Csv(writer) => writer.finish(),
+        }
+    }
+
     fn row(&mut self, row: &Row) -> Told<()> {
         match self {
             Writer::Mcap(writer) => writer.row(row),
@@ -75,7 +95,7 @@ impl Writer {
 /// Writes a trace, row by row.
 pub struct TraceWriter {
     path: PathBuf,
-    writer: Writer,
+    writer: Writer<BufWriter<File>>,
     thin: Option<Thin>,
 }
 
@@ -86,12 +106,8 @@ impl TraceWriter {
     /// # Errors
     /// Names the file and why it cannot be written.
     pub fn create(path: &Path, format: Format, axes: &[Axis]) -> Result<TraceWriter, TraceError> {
-        let writer = match format {
-            Format::Mcap => {
-                mcap_file::Writer::create(path, axes).map(|writer| Writer::Mcap(Box::new(writer)))
-            }
-            Format::Csv => csv_file::Writer::create(path, axes).map(|writer| Writer::Csv(Box::new(writer))),
-        };
+        let file = File::create(path).map_err(|error| TraceError::new(path, error.into()))?;
+        let writer = Writer::new(BufWriter::new(file), format, axes);
         let writer = writer.map_err(|error| TraceError::new(path, error))?;
         Ok(TraceWriter { path: path.into(), writer, thin: None })
     }
@@ -121,13 +137,25 @@ impl TraceWriter {
     pub fn finish(self) -> Result<String, TraceError> {
         let TraceWriter { path, mut writer, thin } = self;
         let written = thin.map_or(Ok(()), |mut thin| thin.finish(|row| writer.row(row)));
-        let written = written.and_then(|()| match writer {
-            Writer::Mcap(writer) => writer.finish(),
-            Writer::Csv(writer) => writer.finish(),
-        });
+        let written = written.and_then(|()| Ok(writer.finish()?.into_inner()?));
         written.map_err(|error| TraceError::new(&path, error))?;
         hash_of(&path)
     }
+}
+
+/// The bytes of a trace of these rows.
+///
+/// # Errors
+/// A row cannot be written.
+pub fn bytes(format: Format, axes: &[Axis], rows: impl Iterator<Item = Row>) -> Result<Vec<u8>, TraceError> {
+    let write = || -> Told<Vec<u8>> {
+        let mut writer = Writer::new(Cursor::new(Vec::new()), format, axes)?;
+        for row in rows {
+            writer.row(&row)?;
+        }
+        Ok(writer.finish()?.into_inner())
+    };
+    write().map_err(|error| TraceError::new(Path::new(format.file_name()), error))
 }
 
 /// BLAKE3 of the file of a trace, in hex.

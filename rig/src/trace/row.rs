@@ -4,7 +4,7 @@
 
 use protocol::{Axis, AxisState, Motion};
 
-use super::thin::STRIDE;
+use super::{columns::columns, thin::STRIDE};
 use crate::observe::{Led, Observer, Record, Traced, TracedPoint, contour_error_mm};
 
 /// One axis in one control cycle.
@@ -162,6 +162,19 @@ impl Row {
         Some((name, [one.1, other.1]))
     }
 
+    /// All of it as numbers in the order of [`columns`]: states and motion by their codes.
+    pub fn numbers(&self, mut put: impl FnMut(f64)) {
+        self.cells(|cell| put(cell.bits().1));
+    }
+
+    /// The row of such numbers, of a machine with these axes.
+    ///
+    /// # Errors
+    /// Some are missing, or are not codes.
+    pub fn from_numbers(axes: &[Axis], numbers: &[f64]) -> Result<Row, &'static str> {
+        Row::from_cells(axes, &mut Numbers(numbers.iter()))
+    }
+
     /// The cells in the order of [`columns`].
     pub(super) fn cells(&self, mut put: impl FnMut(Cell)) {
         let Row { t_s, spindle_true_deg, spindle_rpm, override_pct, .. } = *self;
@@ -277,104 +290,25 @@ pub(super) trait Cells {
     fn motion(&mut self) -> Result<Motion, Self::Error>;
 }
 
-/// A name and a unit of what is recorded of an axis; `state` is not a real number.
-const AXIS_COLUMNS: [(&str, &str); 10] = [
-    ("programmed", "mm"),
-    ("commanded", "mm"),
-    ("measured", "mm"),
-    ("true", "mm"),
-    ("velocity", "mm/s"),
-    ("acceleration", "mm/s^2"),
-    ("jerk", "mm/s^3"),
-    ("servo_error", "mm"),
-    ("torque", "N m"),
-    ("state", "code of the state"),
-];
+/// The cells of a row of numbers.
+struct Numbers<'a>(std::slice::Iter<'a, f64>);
 
-/// A name and a unit of what is recorded of the cut.
-const CUT_COLUMNS: [(&str, &str); 4] = [
-    ("chip_area", "mm^2"),
-    ("cutting_force", "N, tangential"),
-    ("cutting_torque", "N m"),
-    ("spindle_torque", "N m, of the motor"),
-];
+impl Cells for Numbers<'_> {
+    type Error = &'static str;
 
-/// A name and a unit of what is measured of a contour, a surface or a seam, first by commanded, then by true
-/// positions.
-const TRACED_COLUMNS: [(&str, &str); 6] = [
-    ("commanded_deviation", "mm"),
-    ("commanded_angle", "deg"),
-    ("commanded_feed", "mm/min"),
-    ("true_deviation", "mm"),
-    ("true_angle", "deg"),
-    ("true_feed", "mm/min"),
-];
-
-/// Name, unit and whether it is a real number, of every column of a trace.
-pub(super) fn described(axes: &[Axis]) -> Vec<(String, &'static str, bool)> {
-    let column = |name: &str, unit, real| (name.to_string(), unit, real);
-    let mut all = vec![
-        column("cycle", "control cycle", false),
-        column("t_s", "s", true),
-        column("spindle_true_deg", "degrees, unwrapped", true),
-        column("spindle_counts", "encoder counts, unwrapped", false),
-        column("spindle_rpm", "1/min, true", true),
-        column("override_pct", "per cent", true),
-    ];
-    for axis in axes {
-        let of_axis =
-            |(name, unit)| (format!("{}_{name}", axis.name()), in_unit_of(*axis, unit), name != "state");
-        all.extend(AXIS_COLUMNS.map(of_axis));
+    fn count(&mut self) -> Result<i64, &'static str> {
+        self.real().map(|number| number as i64)
     }
-    all.push(column("pass", "0 in timed motion", false));
-    all.push(column("line", "of the part program", false));
-    all.extend(
-        axes.iter().map(|axis| (format!("{}_slide", axis.name()), in_unit_of(*axis, "mm, true"), true)),
-    );
-    all.extend(axes.iter().map(|axis| (format!("{}_force", axis.name()), "N, on the slide", true)));
-    all.extend(CUT_COLUMNS.map(|(name, unit)| column(name, unit, true)));
-    all.push(column("trace", "contour, surface or seam that is cut, 0 if none", false));
-    all.extend(TRACED_COLUMNS.map(|(name, unit)| column(name, unit, true)));
-    all.push(column("tool", "number of the tool, 0 if none", false));
-    all.push(column("motion", "code of how the commanded position moves", false));
-    all
-}
 
-/// The unit of a column of an axis: a rotary axis has degrees for mm.
-fn in_unit_of(axis: Axis, unit: &'static str) -> &'static str {
-    match (axis.is_rotary(), unit) {
-        (false, unit) => unit,
-        (true, "mm") => "deg",
-        (true, "mm/s") => "deg/s",
-        (true, "mm/s^2") => "deg/s^2",
-        (true, "mm/s^3") => "deg/s^3",
-        (true, "mm, true") => "deg, true",
-        (true, other) => other,
+    fn real(&mut self) -> Result<f64, &'static str> {
+        self.0.next().copied().ok_or("a row is too short")
     }
-}
 
-/// The columns of a trace in their order. Those of an axis begin with its letter, as in `x_commanded`.
-pub fn columns(axes: &[Axis]) -> Vec<String> {
-    described(axes).into_iter().map(|(name, ..)| name).collect()
-}
-
-/// The axes of a trace with these columns.
-///
-/// # Errors
-/// Says which column is missing or unexpected.
-pub(super) fn axes_of(names: &[&str]) -> Result<Vec<Axis>, String> {
-    let axis = |name: &&str| Axis::from_name(name.strip_suffix("_programmed")?);
-    let axes: Vec<Axis> = names.iter().filter_map(axis).collect();
-    let expected = columns(&axes);
-    for (index, name) in expected.iter().enumerate() {
-        match names.get(index) {
-            Some(found) if found == name => {}
-            Some(found) => return Err(format!("column {} is {found}, expected {name}", index + 1)),
-            None => return Err(format!("column {name} is missing")),
-        }
+    fn state(&mut self) -> Result<AxisState, &'static str> {
+        AxisState::from_code(self.real()? as u32).map_err(|_| "a row holds an unknown state")
     }
-    match names.get(expected.len()) {
-        Some(extra) => Err(format!("unexpected column {extra}")),
-        None => Ok(axes),
+
+    fn motion(&mut self) -> Result<Motion, &'static str> {
+        Motion::from_code(self.real()? as u32).map_err(|_| "a row holds an unknown motion")
     }
 }

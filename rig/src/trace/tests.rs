@@ -35,7 +35,20 @@ fn both_formats_give_back_every_bit() {
         let mut back = Vec::new();
         read(&path, |row| back.push(row)).expect("read");
         assert!(back == rows, "{format:?} changed a row");
-        assert_eq!(find(folder.path()), Some(path));
+        assert_eq!(find(folder.path()), Some(path.clone()));
+        let bytes = super::bytes(format, &AXES, rows.iter().cloned()).expect("written");
+        assert!(std::fs::read(path).expect("a file") == bytes, "{format:?} in memory is the same");
+    }
+}
+
+#[test]
+fn numbers_give_back_every_row() {
+    for row in rows() {
+        let mut numbers = Vec::new();
+        row.numbers(|number| numbers.push(number));
+        assert_eq!(numbers.len(), columns(&AXES).len());
+        assert_eq!(Row::from_numbers(&AXES, &numbers).as_ref(), Ok(&row));
+        assert!(Row::from_numbers(&AXES, &numbers[1..]).is_err());
     }
 }
 

@@ -14,8 +14,8 @@ use super::client::{Panel, Socket};
 use crate::shop::{Place, example, until};
 
 /// A browser without a screen.
-struct Browser {
-    process: Child,
+pub(super) struct Browser {
+    pub(super) process: Child,
     page: Socket,
     asked: u64,
 }
@@ -29,7 +29,7 @@ impl Drop for Browser {
 
 impl Browser {
     /// Opens an address, if there is a browser.
-    fn open(place: &Place, url: &str, width: u32) -> Option<Browser> {
+    pub(super) fn open(place: &Place, url: &str, width: u32) -> Option<Browser> {
         let names = ["chromium", "chromium-browser", "google-chrome"];
         let there = |name: &&str| {
             let found =
@@ -80,7 +80,7 @@ impl Browser {
     }
 
     /// The value of an expression in the page.
-    fn value(&mut self, expression: &str) -> Value {
+    pub(super) fn value(&mut self, expression: &str) -> Value {
         let answer =
             self.tell("Runtime.evaluate", &json!({ "expression": expression, "returnByValue": true }));
         assert!(answer["result"]["exceptionDetails"].is_null(), "{expression}: {answer}");
@@ -101,7 +101,7 @@ impl Browser {
     }
 
     /// Waits until an element says something.
-    fn until_text(&mut self, id: &str, part: &str) {
+    pub(super) fn until_text(&mut self, id: &str, part: &str) {
         until(&format!("{id} says {part}"), || self.text(id).contains(part));
     }
 
@@ -306,4 +306,53 @@ fn a_browser_plays_a_recording() {
     browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
     assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
     browser.picture("panel-playback-small");
+}
+
+/// The scope of a recording in the page: triggered by the index, cursors with their differences, passes over
+/// each other, a part of it saved.
+#[test]
+fn a_browser_has_a_scope() {
+    let place = Place::new();
+    let panel = super::playback::plays(&place, &["--pace", "max"]);
+    let url = format!("http://{}/#{}", panel.address, panel.token);
+    let Some(mut browser) = Browser::open(&place, &url, 1200) else { return };
+    browser.until_text("playback", "stands");
+    browser.value("scope.signals = ['spindle_true_deg', 'z_servo_error']");
+    browser.click("#scope-open");
+    browser.value("(s => { s.value = 0.1; s.onchange(); })(document.getElementById('scope-span'))");
+    browser.click("[data-scope=normal]");
+    browser.until_text("scope-state", "trigger in cycle");
+    browser.until_text("scope-state", "none missing");
+    let hit = browser.value("scope.picture.trigger_cycle").as_u64().expect("a cycle") as usize;
+    let angle = super::playback::column(&place, "spindle_true_deg");
+    let turn = |cycle: usize| (angle[cycle] / 360.0).floor();
+    assert!(turn(hit) != turn(hit - 1), "the index goes by in cycle {hit}");
+    browser
+        .value("scope.cursors = [scope.picture.trigger - 0.02, scope.picture.trigger + 0.02]; drawScope()");
+    browser.until_text("scope-read", "0.04 (25 Hz)");
+    let apart = browser
+        .value("valueAt(scope.picture, 0, scope.cursors[1]) - valueAt(scope.picture, 0, scope.cursors[0])");
+    assert!((apart.as_f64().expect("degrees") - (angle[hit + 40] - angle[hit - 40])).abs() < 1e-9, "{apart}");
+    browser.click("#scope-zoom");
+    until("it is what lies between them", || browser.value("scope.picture.span < 0.05") == true);
+    let folder = place.at("saved");
+    fs::create_dir(&folder).expect("room");
+    browser.tell(
+        "Page.setDownloadBehavior",
+        &json!({ "behavior": "allow", "downloadPath": folder.display().to_string() }),
+    );
+    browser.click("[data-save=csv]");
+    let name = format!("scope-{}-{}.csv", hit - 40, hit + 40);
+    until("it is saved", || {
+        fs::read_to_string(folder.join(&name)).is_ok_and(|text| text.lines().count() == 82)
+    });
+    browser.picture("panel-scope");
+    browser.value("(s => { s.value = 'pass'; s.onchange(); })(document.getElementById('scope-x'))");
+    browser.until_text("scope-state", "passes 1 to 2");
+    assert_eq!(browser.value(FITS), true);
+    browser.picture("panel-scope-passes");
+    let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
+    browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
+    assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
+    browser.picture("panel-scope-small");
 }

@@ -93,6 +93,19 @@ impl Panel {
         self.raw(format!("{head}Content-Length: {}\r\n\r\n{body}", body.len()).as_bytes())
     }
 
+    /// The bytes of a file that it makes.
+    pub(super) fn file(&self, path: &str) -> Vec<u8> {
+        let (host, token) = (&self.address, &self.token);
+        let head = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\n\r\n");
+        let mut stream = self.connect();
+        stream.write_all(head.as_bytes()).expect("it is taken");
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).expect("an answer");
+        assert!(bytes.starts_with(b"HTTP/1.1 200 "), "{path}: {}", String::from_utf8_lossy(&bytes));
+        let body = bytes.windows(4).position(|four| four == b"\r\n\r\n").expect("a head") + 4;
+        bytes.split_off(body)
+    }
+
     /// All that is seen.
     pub(super) fn state(&self) -> Value {
         let (status, text) = self.request("GET /api/state", "", "");
@@ -235,6 +248,23 @@ impl Socket {
 
     /// The next text; nothing if the socket was closed.
     pub(super) fn next(&mut self) -> Option<Value> {
+        match self.message()? {
+            (1, payload) => Some(serde_json::from_slice(&payload).expect("a document")),
+            (8, _) => None,
+            _ => self.next(),
+        }
+    }
+
+    /// The document of the next picture of the scope, if that is what comes next.
+    pub(super) fn picture(&mut self) -> Option<Value> {
+        let (kind, payload) = self.message()?;
+        let (length, rest) = payload.split_first_chunk().filter(|_| kind == 2)?;
+        let head = &rest[..u32::from_le_bytes(*length) as usize];
+        Some(serde_json::from_slice(head).expect("a document"))
+    }
+
+    /// Kind and content of the next message.
+    fn message(&mut self) -> Option<(u8, Vec<u8>)> {
         let mut head = [0; 2];
         self.0.read_exact(&mut head).ok()?;
         let length = match head[1] & 127 {
@@ -244,11 +274,7 @@ impl Socket {
         };
         let mut payload = vec![0; length as usize];
         self.0.read_exact(&mut payload).ok()?;
-        match head[0] & 15 {
-            1 => Some(serde_json::from_slice(&payload).expect("a document")),
-            8 => None,
-            _ => self.next(),
-        }
+        Some((head[0] & 15, payload))
     }
 
     fn number<const N: usize>(&mut self) -> Option<u64> {

@@ -4,8 +4,10 @@
 mod browser;
 mod by_hand;
 mod client;
+mod figures;
 mod hostile;
 mod playback;
+mod scope;
 mod tables;
 mod watched;
 mod written_api;

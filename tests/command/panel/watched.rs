@@ -4,7 +4,7 @@ use rig::observe::{Outcome, Summary};
 use serde_json::{Value, json};
 use testing::Seed;
 
-use super::client::Panel;
+use super::{browser::Browser, client::Panel};
 use crate::shop::{Place, example, signal, until, wait_s};
 
 /// Starts a run with a panel.
@@ -93,6 +93,38 @@ fn a_panel_that_is_killed_or_stopped_costs_the_machine_nothing_and_comes_back() 
         let state = panel.state();
         before = state["cycle"].as_u64().expect("just seen");
         assert!(state["program"]["text"].is_string() && state["trail"]["points"].is_array());
+    }
+    let (status, summary) = ended(panel);
+    assert_eq!((status, &summary.trace_hash), (Some(0), &alone.trace_hash));
+}
+
+/// Browsers that are killed, and some that stand for a while, at seeded moments: the run is the same, and
+/// the next one shows where things are.
+#[test]
+fn a_browser_that_is_killed_or_stopped_costs_the_machine_nothing() {
+    let place = Place::new();
+    let alone = place.run_inside(&example("m20x2"), None);
+    let mut seed = Seed::new(21);
+    let moments = testing::count("PITCHLOCK_BROWSERS", 2);
+    // At pace 8 some seven seconds, so that all moments lie in the run.
+    let pace = if moments > 2 { "1" } else { "8" };
+    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", pace]);
+    let url = format!("http://{}/#{}", panel.address, panel.token);
+    let mut before = 0;
+    for moment in 0..moments {
+        let Some(mut browser) = Browser::open(&place, &url, 1000 + moment as u32) else { return };
+        browser.until_text("link", "live");
+        until("it shows the run", || browser.value("state.cycle").as_u64() > Some(before));
+        wait_s(f64::from(seed.below(200) as u32) * 1e-3);
+        if moment % 2 == 1 {
+            signal(browser.process.id(), "STOP");
+            wait_s(0.3);
+            signal(browser.process.id(), "CONT");
+            before = panel.state()["cycle"].as_u64().expect("a cycle");
+            until("it goes on", || browser.value("state.cycle").as_u64() > Some(before));
+        }
+        before = panel.state()["cycle"].as_u64().expect("a cycle");
+        signal(browser.process.id(), "KILL");
     }
     let (status, summary) = ended(panel);
     assert_eq!((status, &summary.trace_hash), (Some(0), &alone.trace_hash));

@@ -1,0 +1,184 @@
+//! What is drawn. In: rows of the ring, an x for each. Out: curves of so many points that between two of them
+//! nothing is lost: where rows are more, each point has the lowest and the highest value of its rows.
+
+use super::ring::Ring;
+
+/// Passes, or turns, that are laid over each other: the newest.
+const MOST_CURVES: usize = 16;
+
+/// Places along x with the lowest and the highest value of each signal there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Curve {
+    /// Number of the pass, or of the turn; 0 over time.
+    pub(crate) number: i64,
+    pub(crate) x: Vec<f64>,
+    /// By signal.
+    pub(crate) low: Vec<Vec<f64>>,
+    pub(crate) high: Vec<Vec<f64>>,
+}
+
+impl Curve {
+    /// Of rows whose x grows, within a window of `points` points.
+    pub(crate) fn of(
+        ring: &Ring,
+        rows: impl ExactSizeIterator<Item = (f64, usize)>,
+        signals: &[usize],
+        (from, span, points): (f64, f64, usize),
+        number: i64,
+    ) -> Curve {
+        let each = rows.len() <= points;
+        let mut curve = Curve { number, ..Curve::default() };
+        (curve.low, curve.high) = (vec![Vec::new(); signals.len()], vec![Vec::new(); signals.len()]);
+        let mut place = None;
+        for (x, row) in rows {
+            if !(from..=from + span).contains(&x) {
+                continue;
+            }
+            let here = ((x - from) / span * points as f64) as usize;
+            let goes_on = !each && place == Some(here);
+            place = Some(here);
+            if !goes_on {
+                curve.x.push(x);
+            }
+            for ((low, high), column) in curve.low.iter_mut().zip(&mut curve.high).zip(signals) {
+                let value = ring.value(*column, row);
+                match (low.last_mut(), high.last_mut()) {
+                    (Some(low), Some(high)) if goes_on => (*low, *high) = (low.min(value), high.max(value)),
+                    _ => {
+                        low.push(value);
+                        high.push(value);
+                    }
+                }
+            }
+        }
+        curve
+    }
+}
+
+/// Rows that belong together over the angle of the spindle.
+#[derive(Clone, Debug, PartialEq)]
+struct Stretch {
+    number: i64,
+    rows: std::ops::Range<usize>,
+    /// Angle that is 0 in it, degrees.
+    zero_deg: f64,
+}
+
+/// Stretches of rows that have the same number, without those that have none or whose beginning is gone.
+fn stretches(
+    ring: &Ring,
+    number: impl Fn(usize) -> Option<i64>,
+    zero: impl Fn(usize) -> f64,
+) -> Vec<Stretch> {
+    let mut all: Vec<Stretch> = Vec::new();
+    let mut before = None;
+    for row in 0..ring.rows() {
+        let now = number(row);
+        match (now, all.last_mut()) {
+            (Some(_), Some(last)) if now == before => last.rows.end = row + 1,
+            (Some(number), _) => all.push(Stretch { number, rows: row..row + 1, zero_deg: zero(row) }),
+            (None, _) => {}
+        }
+        before = now;
+    }
+    let whole = |stretch: &Stretch| stretch.rows.start > 0 || ring.oldest() == 0;
+    all.retain(whole);
+    all.split_off(all.len().saturating_sub(MOST_CURVES))
+}
+
+/// Passes over the angle from the index at which each began, degrees, in the direction of the spindle; with
+/// how far the longest goes.
+pub(crate) fn passes(
+    ring: &Ring,
+    signals: &[usize],
+    points: usize,
+    window: Option<(f64, f64)>,
+) -> (Vec<Curve>, (f64, f64)) {
+    let number = |row| Some(ring.pass(row) as i64).filter(|pass| *pass > 0);
+    // The cycle that first shows the index is less than half a turn away from it.
+    let zero = |row| (ring.angle_deg(row) / 360.0).round() * 360.0;
+    let stretches = stretches(ring, number, zero);
+    over_angle(ring, &stretches, signals, points, window)
+}
+
+/// Turns of the spindle over each other.
+pub(crate) fn turns(
+    ring: &Ring,
+    signals: &[usize],
+    points: usize,
+    window: Option<(f64, f64)>,
+) -> (Vec<Curve>, (f64, f64)) {
+    let turn = |row| (ring.angle_deg(row) / 360.0).floor();
+    let stretches = stretches(ring, |row| Some(turn(row) as i64), |row| turn(row) * 360.0);
+    over_angle(ring, &stretches, signals, points, Some(window.unwrap_or((0.0, 360.0))))
+}
+
+fn over_angle(
+    ring: &Ring,
+    stretches: &[Stretch],
+    signals: &[usize],
+    points: usize,
+    window: Option<(f64, f64)>,
+) -> (Vec<Curve>, (f64, f64)) {
+    let angle = |stretch: &Stretch, row: usize| {
+        let from_zero = |row| ring.angle_deg(row) - stretch.zero_deg;
+        let backwards = window.is_none() && from_zero(stretch.rows.end - 1) < 0.0;
+        if backwards { -from_zero(row) } else { from_zero(row) }
+    };
+    let longest = stretches.iter().map(|stretch| angle(stretch, stretch.rows.end - 1)).fold(1.0, f64::max);
+    let (from, span) = window.unwrap_or((0.0, longest));
+    let curve = |stretch: &Stretch| {
+        let rows = stretch.rows.clone().map(|row| (angle(stretch, row), row));
+        Curve::of(ring, rows, signals, (from, span, points), stretch.number)
+    };
+    (stretches.iter().map(curve).collect(), (from, span))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::ring::tests::{filled, row},
+        *,
+    };
+
+    #[test]
+    fn lowest_and_highest_of_every_point_are_those_of_its_rows() {
+        let ring = filled(0..3000, 3000);
+        let column = ring.column("z_error").expect("it is there");
+        let all = || (0..3000).map(|row| (row as f64, row));
+        let curve = Curve::of(&ring, all(), &[column], (0.0, 3000.0, 100), 0);
+        assert_eq!(curve.x.len(), 100);
+        for (place, x) in curve.x.iter().enumerate() {
+            let next = curve.x.get(place + 1).map_or(3000, |next| *next as u64);
+            assert!((29..=31).contains(&(next - *x as u64)), "{x}");
+            let values = (*x as u64..next).map(|cycle| row(cycle)[5]);
+            let (low, high) =
+                values.fold((f64::MAX, f64::MIN), |(low, high), one| (low.min(one), high.max(one)));
+            assert_eq!((curve.low[0][place], curve.high[0][place]), (low, high), "{x}");
+        }
+        // Where there is room for every row, every row is there.
+        let few = Curve::of(&ring, (100..160).map(|row| (row as f64, row)), &[column], (100.0, 59.0, 100), 0);
+        assert_eq!(few.low, few.high);
+        assert_eq!(few.low[0], (100..160).map(|cycle| row(cycle)[5]).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn passes_lie_over_each_other_from_their_index_on() {
+        let ring = filled(0..3000, 3000);
+        let column = ring.column("z_error").expect("it is there");
+        let (curves, (from, span)) = passes(&ring, &[column], 4000, None);
+        assert_eq!((from, span), (0.0, 3.0 * 419.0), "from the index of cycle 1080 to cycle 1499");
+        let numbers: Vec<_> = curves.iter().map(|curve| curve.number).collect();
+        assert_eq!(numbers, [1, 2]);
+        assert_eq!(curves[0].x, curves[1].x, "both from their own index");
+        assert_eq!(curves[1].low[0][0], row(2280)[5]);
+        let (near, _) = passes(&ring, &[column], 10, Some((300.0, 60.0)));
+        assert!(near[0].x.len() <= 11 && near[0].x[0] == 300.0, "{:?}", near[0].x);
+        // Of a pass whose index is gone nobody knows where it began.
+        let (late, _) = passes(&filled(0..3000, 1800), &[column], 4000, None);
+        assert_eq!(late.iter().map(|curve| curve.number).collect::<Vec<_>>(), [2]);
+        let (turns, window) = turns(&ring, &[column], 4000, None);
+        assert_eq!((turns.len(), window), (16, (0.0, 360.0)));
+        assert_eq!(turns[3].x, (0..120).map(|cycle| 3.0 * f64::from(cycle)).collect::<Vec<_>>());
+    }
+}
