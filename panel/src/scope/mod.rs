@@ -150,12 +150,12 @@ impl Scope {
             };
             let cycle = ring.cycle(row);
             self.next = ring.oldest() + row as u64;
-            if ring.cycle(ring.rows() - 1) < cycle + behind {
+            if ring.cycle(ring.rows() - 1) < cycle.saturating_add(behind) {
                 return;
             }
             self.hit = Some(cycle);
             // The next one lies behind this picture.
-            let end = (cycle + behind) as f64;
+            let end = cycle.saturating_add(behind) as f64;
             self.next = ring.oldest() + ring.between(end, end).start.max(row + 1) as u64;
         }
     }
@@ -176,7 +176,8 @@ impl Scope {
                 let rows = ring.between(first, first + (span / cycle_s).round() + 1.0);
                 if !rows.is_empty() && !waits {
                     cycles = [ring.cycle(rows.start), ring.cycle(rows.end - 1)];
-                    missing = cycles[1] + 1 - cycles[0] - rows.len() as u64;
+                    let apart = cycles[1].saturating_sub(cycles[0]);
+                    missing = apart.saturating_add(1).saturating_sub(rows.len() as u64);
                 }
                 let x = rows.map(|row| (ring.cycle(row) as f64 * cycle_s, row));
                 let window = (first * cycle_s, span + 0.5 * cycle_s, asked.points);

@@ -33,7 +33,8 @@ impl Ring {
         *self = Ring {
             values: vec![VecDeque::new(); columns.len()],
             most: most.max(1),
-            cycle_s,
+            // A file may say anything.
+            cycle_s: if cycle_s > 0.0 && cycle_s.is_finite() { cycle_s } else { 1.0 },
             gone: 0,
             begun: self.begun + 1,
             cycle: place("cycle").unwrap_or(0),
