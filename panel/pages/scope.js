@@ -23,7 +23,7 @@ function wanted(mode) {
   scope.mode = mode || scope.mode || "roll";
   const x = $("scope-x").value, event = $("scope-trigger").value, across = x !== "time";
   $("scope-level").hidden = event !== "level";
-  for (const key of document.querySelectorAll("[data-scope]")) key.className = key.dataset.scope === scope.mode && !across ? "go" : "";
+  for (const key of document.querySelectorAll("[data-scope]")) key.classList.toggle("go", key.dataset.scope === scope.mode && !across);
   for (const key of document.querySelectorAll(".over-time")) key.hidden = across;
   chips();
   if (!socket || socket.readyState !== 1) return;
