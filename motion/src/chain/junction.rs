@@ -67,8 +67,8 @@ impl Corner {
 /// What becomes of the junction of two blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Junction<const N: usize> {
-    /// The machine stops.
-    Stop,
+    /// The machine stops; the next law may lead it so many mm off the contour before (M194).
+    Stop(f64),
     /// A blend that reaches over no other junction; [`Blend::NONE`] where nothing jumps.
     Fixed(Blend<N>),
     /// Two lines.
@@ -100,19 +100,20 @@ pub(super) fn junction<const N: usize, T>(
     let size = |jump: &[f64; N]| jump.iter().map(|d| d * d).sum::<f64>().sqrt();
     let turn = size(&jumps[0]);
     let tolerance = match last.corner {
-        Corner::Stop => return Junction::Stop,
+        Corner::Stop => return Junction::Stop(0.0),
         Corner::Exact(tolerance) if turn <= TANGENT => tolerance,
-        Corner::Exact(_) => return Junction::Stop,
+        Corner::Exact(_) => return Junction::Stop(0.0),
         Corner::Blend(tolerance) => tolerance,
         Corner::Curve { flat, tip, .. } if is_flat(last, next, tip) => flat,
         Corner::Curve { corner, .. } => corner,
     };
     // |Δ1|² = 2 − 2 cos of the turn.
     if 1.0 - 0.5 * turn * turn < SHARPEST || !last.feed.same_kind(next.feed) {
-        return Junction::Stop;
+        return Junction::Stop(0.0);
     }
     let shorter = last.path.length().min(next.path.length());
     let lines = last.path.is_line() && next.path.is_line();
+    let spare = tolerance.min(last.room).min(next.room);
     let mut rounding = ROUNDED * size(&next.path.at(0.0)[1]);
     let smooth = jumps.iter().all(|jump| {
         let joins = size(jump) <= rounding;
@@ -123,8 +124,8 @@ pub(super) fn junction<const N: usize, T>(
         let (jump, size) = if smooth { ([0.0; N], 0.0) } else { (jumps[0], turn) };
         let widest = tolerance / (aside(0.0, 1.0) * size);
         let blend = Blend::new([jump, [0.0; N], [0.0; N]], widest.min(shorter).min(REACH_MM));
-        if widest < LEAST_HALF.min(shorter) || stop_is_faster([last, next], &blend, size, axes) {
-            return Junction::Stop;
+        if widest < LEAST_HALF.min(shorter) || stop_is_faster([last, next], &blend, size, spare, axes) {
+            return Junction::Stop(spare);
         }
         let alone = last.room.min(next.room) < tolerance;
         return Junction::Corner(Turn { jump, size, tolerance, widest, alone });
@@ -135,8 +136,8 @@ pub(super) fn junction<const N: usize, T>(
     let tolerance = (0.5 * tolerance).min(last.room).min(next.room);
     let half = Blend::half_within(&jumps, tolerance, 0.5 * shorter);
     let blend = Blend::new(jumps, half);
-    if half < LEAST_HALF.min(0.5 * shorter) || stop_is_faster([last, next], &blend, turn, axes) {
-        return Junction::Stop;
+    if half < LEAST_HALF.min(0.5 * shorter) || stop_is_faster([last, next], &blend, turn, spare, axes) {
+        return Junction::Stop(spare);
     }
     Junction::Fixed(blend)
 }

@@ -15,6 +15,7 @@
 //! | `chain/section.rs` | the look-ahead over stretches (M24, M26) |
 //! | `chain/steer.rs` | the decision which law s(t) follows next (M23, M64) |
 //! | `chain/law.rs` | the law, and the check before it is released |
+//! | `chain/overlap.rs` | the law behind a stop, which begins before the one before has ended (M194, M195) |
 //!
 //! ```text
 //! blocks → path p(s) with blends → sections with limits → exits (look-ahead) → law s(t) → axes p(s(t))
@@ -29,6 +30,7 @@ mod asked;
 mod halt;
 mod junction;
 mod law;
+mod overlap;
 mod pieces;
 mod section;
 mod steer;
@@ -43,6 +45,7 @@ use crate::sample::Sample;
 pub use asked::{Feed, LEAST_FEED, MOST_RATIO, Ratios};
 pub use junction::Corner;
 use law::Law;
+use overlap::Tail;
 use pieces::Pieces;
 use section::{SECTIONS, Section, Sections};
 pub(crate) use zone::Bend;
@@ -125,6 +128,8 @@ pub struct Chain<const N: usize, T> {
     law: Law,
     /// Time in the law, s.
     t: f64,
+    /// The law before, as long as it has not come to its end.
+    tail: Option<Tail>,
     /// Nothing can be appended any more.
     closed: bool,
     /// The plan in hand may not be the best any more.
@@ -164,6 +169,7 @@ impl<const N: usize, T: Copy + Default> Chain<N, T> {
             along: 0.0,
             law: Law::Rest,
             t: 0.0,
+            tail: None,
             closed: false,
             stale: false,
             single: false,
@@ -250,8 +256,12 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         let s = self.place(sample.s);
         let front = self.pieces.front()?;
         let along = Sample { s, ..sample };
+        let mut axes = self.pieces.follow(&along);
+        if let Some(led) = self.led() {
+            axes.iter_mut().zip(led).for_each(|(axis, led)| *axis = *axis + led);
+        }
         let step = Step {
-            axes: self.pieces.follow(&along),
+            axes,
             along,
             tag: front.block.tag,
             completed: self.completed,
@@ -328,6 +338,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.pieces.clear();
         self.sections.clear();
         (self.law, self.t, self.along, self.closed) = (Law::Rest, 0.0, 0.0, false);
+        self.tail = None;
         self.quiet = 0;
     }
 }

@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use super::junction::{Junction, junction};
 use super::sweep;
 use super::zone::Bend;
-use super::{BLOCKS, Block};
+use super::{BLOCKS, Block, SAME};
 use crate::blend::Blend;
 use crate::limits::Limits;
 use crate::sample::Sample;
@@ -22,6 +22,8 @@ use crate::sample::Sample;
 pub(super) const CORNERS: usize = 16;
 /// Farthest that a blend reaches over other corners, mm. To the next one it may reach farther.
 pub(super) const REACH_MM: f64 = 4.0;
+/// So much of the way to a stop the blend of another corner may take: laws overlap on the rest.
+pub(super) const CLEAR_OF_STOP: f64 = 0.8;
 
 /// A block and the junction at its end.
 #[derive(Clone, Copy, Debug)]
@@ -42,8 +44,16 @@ impl<const N: usize, T> Piece<N, T> {
         self.block.path.length()
     }
 
+    /// How much of a way of `way` mm to the junction at its end a blend may take.
+    pub(super) fn blended_of(&self, way: f64) -> f64 {
+        match self.junction {
+            Some(Junction::Stop(tolerance)) if tolerance > 0.0 => CLEAR_OF_STOP * way,
+            _ => way,
+        }
+    }
+
     pub(super) fn stops(&self) -> bool {
-        matches!(self.junction, Some(Junction::Stop))
+        matches!(self.junction, Some(Junction::Stop(_)))
     }
 }
 
@@ -100,6 +110,21 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
         self.ring.range(self.gone..self.settled)
     }
 
+    /// The settled block that ends `way` mm behind the start of the one that the machine is on.
+    pub(super) fn ending_at(&self, way: f64) -> Option<usize> {
+        let mut end = 0.0;
+        let k = self.ahead().position(|piece| {
+            end += piece.length();
+            end >= way - SAME
+        })?;
+        (end <= way + SAME).then_some(self.gone + k)
+    }
+
+    /// The block that the machine has left last.
+    pub(super) fn left_last(&self) -> Option<usize> {
+        self.gone.checked_sub(1)
+    }
+
     /// Length of the block that the machine is on, if that is settled, mm.
     pub(super) fn settled_length(&self) -> Option<f64> {
         self.ahead().next().map(Piece::length)
@@ -135,7 +160,7 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
     /// Nothing follows.
     pub(super) fn close(&mut self) {
         if let Some(last) = self.ring.back_mut() {
-            last.junction = last.junction.or(Some(Junction::Stop));
+            last.junction = last.junction.or(Some(Junction::Stop(0.0)));
         }
         self.widen();
     }
@@ -180,9 +205,8 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
         before.chain(behind)
     }
 
-    /// The borders of the stretches of a block: up to where the blends from behind it begin, where those from
-    /// before it end, or where both are; then what is left.
-    pub(super) fn borders(&self, k: usize) -> [f64; 2] {
+    /// How far blends of the junctions before a block reach into it, and those of the ones behind it, mm.
+    pub(super) fn reached(&self, k: usize) -> [f64; 2] {
         let length = self.ring[k].length();
         let (mut before, mut behind) = (0.0_f64, 0.0_f64);
         for Reaching { blend, at } in self.reaching(k) {
@@ -192,6 +216,14 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
                 behind = behind.max(blend.half() - (at - length));
             }
         }
+        [before, behind]
+    }
+
+    /// The borders of the stretches of a block: up to where the blends from behind it begin, where those from
+    /// before it end, or where both are; then what is left.
+    pub(super) fn borders(&self, k: usize) -> [f64; 2] {
+        let length = self.ring[k].length();
+        let [before, behind] = self.reached(k);
         let (first, second) = (before.min(length), (length - behind).max(0.0));
         [first.min(second), first.max(second)]
     }

@@ -46,11 +46,12 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             self.stale |= self.sections.look_ahead(&self.ratios);
             let cap = self.cap(ask);
             let slow = !refused && self.law.goal(self.t) > cap * (1.0 + SAME);
-            let over = self.law.duration();
+            let follows = self.overlap(ask, left);
+            let over = self.law.duration() - follows.map_or(0.0, |(_, time)| time);
             let takes_over = match self.law {
                 Law::Rest if cap > 0.0 && self.may_start() => self.t,
                 Law::Rest => return,
-                law if slow && law.folds(self.t).is_some() => self.t,
+                law if slow && self.tail.is_none() && law.folds(self.t).is_some() => self.t,
                 _ if slow => self.law.settled(self.t),
                 _ if self.stale => self.law.level(self.t),
                 _ => over,
@@ -62,6 +63,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             }
             left -= (takes_over - self.t).max(0.0);
             self.t = self.t.max(takes_over);
+            self.drop_tail();
+            if let Some((next, time)) = follows.filter(|_| self.t >= over) {
+                self.overtake(next, time, ask);
+                continue;
+            }
             refused = !self.decide(ask, slow && self.t < over);
             if ask.single && self.rests() {
                 return;
@@ -91,9 +97,15 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let speed = self.law.at(level).v.max(f64::MIN_POSITIVE);
             until.min(level + 0.5 * (self.sections.total() - self.law.at(level).s) / speed)
         };
+        let follows = if until == self.law.duration() { self.overlap(ask, until) } else { None };
+        let until = until - follows.map_or(0.0, |(_, time)| time);
         let left = (until - self.t).max(0.0);
         self.t += left;
-        self.decide(ask, false);
+        self.drop_tail();
+        match follows {
+            Some((next, time)) => self.overtake(next, time, ask),
+            None => _ = self.decide(ask, false),
+        }
         left
     }
 
@@ -107,7 +119,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     }
 
     /// The feed asked for where the machine is.
-    fn cap(&self, ask: &Ask) -> f64 {
+    pub(super) fn cap(&self, ask: &Ask) -> f64 {
         match self.sections.front() {
             Some(front) if !ask.hold => front.cap(&self.ratios),
             _ => 0.0,
@@ -191,7 +203,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
 
     /// Follows a block law. At its highest speed it is planned again if it may become faster yet: what bends
     /// leave for that is less, so it takes another ramp.
-    fn begin(&mut self, block: FeedBlock, cap: f64) {
+    pub(super) fn begin(&mut self, block: FeedBlock, cap: f64) {
         self.stale = block.accel().dv() > 0.0 && block.cruise_time() > 0.0 && block.peak_feed() < cap;
         (self.law, self.t) = (Law::Block(block), 0.0);
     }
@@ -240,14 +252,21 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     }
 
     /// Leaves `gone` mm of the law behind.
-    fn leave(&mut self, gone: f64) {
+    pub(super) fn leave(&mut self, gone: f64) {
         self.along += gone;
         self.sections.go(gone);
     }
 
     /// The law to the end of the front section from the speed `v`, `gone` mm behind the start of the law in
     /// hand.
-    fn block(&self, front: &Section, v: f64, cap: f64, single: bool, gone: f64) -> Option<FeedBlock> {
+    pub(super) fn block(
+        &self,
+        front: &Section,
+        v: f64,
+        cap: f64,
+        single: bool,
+        gone: f64,
+    ) -> Option<FeedBlock> {
         let limits = &front.limits;
         let (mut length, mut exit) = (front.length, front.exit_soft);
         if single {
@@ -354,9 +373,9 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             }
             let own = next.limits.up_to(fastest);
             if limits.min(&own) != limits {
-                fastest = fastest.min(most_at(change, border).max(target));
+                fastest = fastest.min(change.most_at(border).max(target));
             }
-            if fastest > next.limits.v && speed_at(change, border) > next.limits.v * (1.0 + SAME) {
+            if fastest > next.limits.v && change.speed_at(border) > next.limits.v * (1.0 + SAME) {
                 return None;
             }
         }
@@ -378,21 +397,4 @@ fn nearest_exit(v: f64, exit: f64, hard: f64, length: f64, limits: &Allowance) -
         return above;
     }
     search::largest(hard.min(v), length, |exit| limits.way(exit, v))
-}
-
-/// No less than the speed of a change after a way of `s` mm, and hardly more.
-fn most_at(change: &SpeedChange, s: f64) -> f64 {
-    let (mut before, mut behind) = (change.top(), change.duration());
-    for _ in 0..10 {
-        let middle = 0.5 * (before + behind);
-        let half = if change.at(middle).s <= s { &mut before } else { &mut behind };
-        *half = middle;
-    }
-    change.at(before).v
-}
-
-/// Speed of a change after a way of `s` mm.
-fn speed_at(change: &SpeedChange, s: f64) -> f64 {
-    let time = search::largest(change.duration(), s, |t| change.at(t).s);
-    change.at(time).v
 }

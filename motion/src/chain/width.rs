@@ -11,7 +11,7 @@
 //! ```text
 //! W(s) = Σ |Δⱼ| B1(s − sⱼ; rⱼ)
 //! Rᵢ = max r:  Σ |Δⱼ| B1(sᵢ − sⱼ; r) ≤ Pᵢ;  0 where the machine stops and beside arcs
-//! rⱼ = min over i of max(Rᵢ, |sᵢ − sⱼ|)                                                         (M172)
+//! rⱼ = min over i of max(Rᵢ, |sᵢ − sⱼ|), 0.8 |sᵢ − sⱼ| where laws overlap at a stop (M194)        (M172)
 //! ```
 //! Then W ≤ Pᵢ at every corner: whatever reaches it is at most as wide as Rᵢ, and B1 grows with r. Between
 //! two corners W is convex, since every B1 is, so it is nowhere larger than at the larger of both. No blend
@@ -21,7 +21,7 @@
 //! division add up to the curvature of the curve and to nothing else (M60).
 
 use super::junction::{Junction, Turn};
-use super::pieces::{CORNERS, Piece, Pieces, REACH_MM};
+use super::pieces::{CLEAR_OF_STOP, CORNERS, Piece, Pieces, REACH_MM};
 use crate::blend::{Blend, aside};
 
 /// Lines whose lengths differ by less, relative, are equally long.
@@ -113,17 +113,17 @@ impl<const N: usize, T: Copy> Pieces<N, T> {
         let mut end = 0.0;
         for piece in self.ring.range(k + 1..) {
             let way = piece.end - here;
-            if way >= half {
+            if CLEAR_OF_STOP * way >= half {
                 break;
             }
-            half = half.min(piece.room?.max(way));
+            half = half.min(piece.room?.max(piece.blended_of(way)));
         }
         for j in (0..k).rev() {
             let way = here - self.ring[j].end;
-            if way >= half {
+            if CLEAR_OF_STOP * way >= half {
                 break;
             }
-            half = half.min(self.ring[j].room?.max(way));
+            half = half.min(self.ring[j].room?.max(self.ring[j].blended_of(way)));
         }
         half = half.min(here - (self.ring[0].end - self.ring[0].length()));
         if (lengths[0] - lengths[1]).abs() <= ALIKE * lengths[0].min(lengths[1]) {

@@ -35,6 +35,7 @@ use super::allowance::Allowance;
 use crate::blend::Blend;
 use crate::limits::Limits;
 use crate::path::Path;
+use crate::sample::Sample;
 
 /// Share of the acceleration that a bend may take, and of jerk and jerk rate.
 const BEND: [f64; 2] = [0.7, 0.65];
@@ -51,7 +52,7 @@ fn over(limit: f64, k: f64) -> f64 {
     if k > 0.0 { limit / k } else { f64::INFINITY }
 }
 
-fn norm<const N: usize>(k: &[f64; N]) -> f64 {
+pub(super) fn norm<const N: usize>(k: &[f64; N]) -> f64 {
     k.iter().map(|k| k * k).sum::<f64>().sqrt()
 }
 
@@ -102,6 +103,20 @@ impl<const N: usize> Bend<N> {
     /// Limits of s up to its highest speed (M66).
     pub(crate) fn limits(&self, axes: &[Limits; N], asked: f64, chord_v2: f64) -> Limits {
         self.left(axes, self.top(axes, asked, chord_v2), self.together())
+    }
+
+    /// What the bends add at most to v, a, j, d of an axis, and what its direction turns on the way `s`, in a
+    /// motion along the path of at most these values (M55).
+    pub(super) fn adds(&self, axis: usize, &Sample { s, v, a, j, dj }: &Sample) -> [f64; 4] {
+        let Bend([_, k2, k3, k4]) = self;
+        let [k2, k3, k4] = [k2[axis], k3[axis], k4[axis]];
+        let v2 = v * v;
+        [
+            k2 * s * v,
+            k2 * (v2 + s * a),
+            k2 * (3.0 * v * a + s * j) + k3 * v2 * v,
+            k2 * (4.0 * v * j + 3.0 * a * a + s * dj) + 6.0 * k3 * v2 * a + k4 * v2 * v2,
+        ]
     }
 
     /// K₂ and K₃.

@@ -5,6 +5,7 @@ mod blocks;
 mod curve;
 mod hold;
 mod limits;
+mod overlap;
 mod pieces;
 mod programs;
 mod replan;

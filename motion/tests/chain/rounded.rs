@@ -3,8 +3,8 @@
 //!
 //! Beside an arc a junction is rounded over at most half of either element, with half the tolerance and not
 //! beyond the room that is left. A corner of lines is rounded as widely as all corners around it allow
-//! (M172): no place where several reach may be led away by more than its tolerance. No corner is rounded
-//! where a stop is faster (M183).
+//! (M172), but for a fifth of the way to a stop where laws may overlap (M194): no place where several reach
+//! may be led away by more than its tolerance. No corner is rounded where a stop is faster (M183).
 
 use crate::programs::{Line, N, end_of};
 use crate::stand::{AXES, Seen};
@@ -15,6 +15,8 @@ use motion::{Blend, Limits, Path, Ramp, junction_distance, reachable_feed};
 pub(crate) struct Rounded<'a> {
     blocks: &'a [Line],
     blends: Vec<Blend<N>>,
+    /// How far laws may lead off the contour at the end of every block, mm.
+    spares: Vec<f64>,
     /// Way to the end of every block, mm.
     ends: Vec<f64>,
 }
@@ -26,9 +28,10 @@ impl<'a> Rounded<'a> {
             way += block.path.length();
             way
         });
-        let mut path = Rounded { blocks, blends: Vec::new(), ends: ends.collect() };
+        let mut path = Rounded { blocks, blends: Vec::new(), spares: Vec::new(), ends: ends.collect() };
         let kinds: Vec<Kind> = blocks.windows(2).map(|pair| kind(&pair[0], &pair[1])).collect();
         let rooms: Vec<f64> = (0..kinds.len()).map(|k| path.room(&kinds, k)).collect();
+        path.spares = kinds.iter().map(Kind::spare).collect();
         path.blends = (0..kinds.len()).map(|k| path.blend(&kinds, &rooms, k)).collect();
         path
     }
@@ -50,11 +53,35 @@ impl<'a> Rounded<'a> {
         std::array::from_fn(|i| tag.start[i] + p[0][i])
     }
 
-    /// The axes are where the way on their block says, within 1e-9 mm.
+    /// The axes are where the way on their block says, within 1e-9 mm, or beside that by what is left of the
+    /// block before: behind a stop, and within the tolerance there.
     pub(crate) fn holds(&self, seen: &Seen) {
-        let right = self.at(seen.step.tag.number, seen.step.along.s);
-        let off = distance(&right, &seen.axes.map(|axis| axis.s));
-        assert!(off <= 1e-9, "{off} mm beside the path: {seen:?}");
+        let number = seen.step.tag.number;
+        let right = self.at(number, seen.step.along.s);
+        let axes = seen.axes.map(|axis| axis.s);
+        let off = distance(&right, &axes);
+        let spare = number.checked_sub(1).map_or(0.0, |last| self.spares[last]);
+        if off <= 1e-9 || spare == 0.0 {
+            assert!(off <= 1e-9, "{off} mm beside the path: {seen:?}");
+            return;
+        }
+        let (last, next) = (&self.blocks[number - 1], &self.blocks[number]);
+        let [length, ahead] = [last, next].map(|line| line.path.length());
+        let tip = next.tag.start;
+        let left: [f64; N] = std::array::from_fn(|i| tip[i] + axes[i] - right[i]);
+        let (mut near, mut far) = (0.0, length.min(0.25));
+        for _ in 0..60 {
+            let middle = 0.5 * (near + far);
+            *if distance(&self.at(number - 1, length - middle), &tip) < off { &mut near } else { &mut far } =
+                middle;
+        }
+        let beside = distance(&left, &self.at(number - 1, length - near));
+        assert!(beside <= 1e-9, "{beside} mm beside what is left of the block before: {seen:?}");
+        let foot = |line: &Line, guess: f64| {
+            nearest(&line.path, &std::array::from_fn(|i| axes[i] - line.tag.start[i]), guess)
+        };
+        let contour = foot(last, length - near).min(foot(next, seen.step.along.s.min(ahead)));
+        assert!(contour <= spare + 1e-9, "{contour} mm off the contour, {spare} allowed: {seen:?}");
     }
 }
 
@@ -67,10 +94,17 @@ const CORNERS: usize = 16;
 const REACH: f64 = 4.0;
 
 enum Kind {
-    Stop,
+    /// How far laws may lead off the contour.
+    Stop(f64),
     Fixed(Blend<N>),
     /// Jump, tolerance, no other blend reaches here.
     Corner([f64; N], f64, bool),
+}
+
+impl Kind {
+    fn spare(&self) -> f64 {
+        if let Kind::Stop(spare) = self { *spare } else { 0.0 }
+    }
 }
 
 /// Whether two lines nearly are one: seen from the start of the first, the tip is near the line to the end.
@@ -93,11 +127,11 @@ fn kind(last: &Line, next: &Line) -> Kind {
         Corner::Blend(tolerance) => tolerance,
         Corner::Curve { flat, .. } if is_flat(last, next) => flat,
         Corner::Curve { corner, .. } => corner,
-        Corner::Exact(_) | Corner::Stop => return Kind::Stop,
+        Corner::Exact(_) | Corner::Stop => return Kind::Stop(0.0),
     };
     // The chord of 120°.
     if turn > 3_f64.sqrt() || !same_kind(last.feed, next.feed) {
-        return Kind::Stop;
+        return Kind::Stop(0.0);
     }
     let (a, b) = (last.path.length(), next.path.length());
     // Pieces of one curve join but for rounding.
@@ -109,22 +143,28 @@ fn kind(last: &Line, next: &Line) -> Kind {
         let jump = if smooth { [0.0; N] } else { jumps[0] };
         let widest = tolerance / (7.0 / 48.0 * distance(&jump, &[0.0; N]));
         let blend = Blend::new([jump, [0.0; N], [0.0; N]], widest.min(a).min(b).min(REACH));
-        let stops = widest < 1e-6_f64.min(a.min(b)) || is_crawled_through([last, next], &jump, &blend);
-        return if stops { Kind::Stop } else { Kind::Corner(jump, tolerance, room < tolerance) };
+        let stops = widest < 1e-6_f64.min(a.min(b))
+            || is_crawled_through([last, next], &jump, &blend, tolerance.min(room));
+        return if stops {
+            Kind::Stop(tolerance.min(room))
+        } else {
+            Kind::Corner(jump, tolerance, room < tolerance)
+        };
     }
     if smooth {
         return Kind::Fixed(Blend::NONE);
     }
-    let (tolerance, cap) = ((0.5 * tolerance).min(room), 0.5 * a.min(b));
+    let (spare, tolerance, cap) = (tolerance.min(room), (0.5 * tolerance).min(room), 0.5 * a.min(b));
     let half = Blend::half_within(&jumps, tolerance, cap);
     let blend = Blend::new(jumps, half);
-    let stops = half < cap.min(1e-6) || is_crawled_through([last, next], &jumps[0], &blend);
-    if stops { Kind::Stop } else { Kind::Fixed(blend) }
+    let stops = half < cap.min(1e-6) || is_crawled_through([last, next], &jumps[0], &blend, spare);
+    if stops { Kind::Stop(spare) } else { Kind::Fixed(blend) }
 }
 
 /// Whether the halves of two blocks beside their corner take longer if it is rounded, at the constant feed
-/// that its bends allow, than with a stop in it. A piece stands for a curve of four.
-fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> bool {
+/// that its bends allow, than with a stop in it, at which laws may lead `spare` mm off. A piece stands for a
+/// curve of four.
+fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>, spare: f64) -> bool {
     if distance(jump, &[0.0; N]) < 0.1 {
         return false;
     }
@@ -141,8 +181,8 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> 
         by_speed.min(by_acceleration).min(by_jerk).min(by_jerk_rate)
     });
     let crawl = allowed.fold(f64::INFINITY, f64::min);
-    let time = |crawl: f64, half: f64| {
-        let side = blocks.map(|block| {
+    let sides = |crawl: f64, half: f64| {
+        blocks.map(|block| {
             let limits = straight(&block.path.shares());
             let top = match block.feed {
                 Feed::Rapid => limits.v,
@@ -154,11 +194,26 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>) -> 
             let feed = reachable_feed(crawl, top, length - half, &limits);
             let even = (length - half - junction_distance(crawl, feed, &limits)) / feed;
             let slow = if half > 0.0 { half / crawl } else { 0.0 };
-            Ramp::shortest(feed - crawl, &limits) + even + slow
-        });
-        side[0] + side[1]
+            let ramp = Ramp::fastest(feed - crawl, &limits);
+            (ramp.duration() + even + slow, ramp)
+        })
     };
-    time(crawl, half) > time(0.0, 0.0)
+    let [[(a, _), (b, _)], [(c, down), (d, up)]] = [sides(crawl, half), sides(0.0, 0.0)];
+    let curvature: f64 = bends.iter().map(|[second, ..]| distance(second, &[0.0; N])).sum();
+    let clear = blocks.map(|block| (0.5 * block.path.length()).min(0.25));
+    let alike = spare / (distance(jump, &[0.0; N]) + curvature * clear[0].max(clear[1]));
+    let most = reached(&down, clear[0]).min(reached(&up, clear[1]));
+    a + b > c + d - most.min(reached(&down, alike) + reached(&up, alike))
+}
+
+/// When a ramp from rest has made a way, or its first pulse is over, s.
+fn reached(ramp: &Ramp, way: f64) -> f64 {
+    let (mut time, mut beyond) = (0.0, ramp.jerk_interval());
+    for _ in 0..50 {
+        let middle = 0.5 * (time + beyond);
+        *if ramp.at(middle).s <= way { &mut time } else { &mut beyond } = middle;
+    }
+    time
 }
 
 /// Limits along a line with these shares of the axes.
@@ -218,7 +273,7 @@ impl Rounded<'_> {
 
     fn blend(&self, kinds: &[Kind], rooms: &[f64], k: usize) -> Blend<N> {
         let (jump, tolerance, alone) = match &kinds[k] {
-            Kind::Stop => return Blend::NONE,
+            Kind::Stop(_) => return Blend::NONE,
             Kind::Fixed(blend) => return *blend,
             Kind::Corner(jump, tolerance, alone) => (*jump, tolerance, *alone),
         };
@@ -227,7 +282,8 @@ impl Rounded<'_> {
         let mut half = self.widest(k).min(tolerance / (7.0 / 48.0 * size));
         half = if alone { half.min(a).min(b) } else { half.min(rooms[k]) };
         for j in (0..kinds.len()).filter(|j| *j != k) {
-            half = half.min(rooms[j].max((self.ends[j] - self.ends[k]).abs()));
+            let share = if kinds[j].spare() > 0.0 { 0.8 } else { 1.0 };
+            half = half.min(rooms[j].max(share * (self.ends[j] - self.ends[k]).abs()));
         }
         half = half.min(self.ends[k]).min(self.ends[self.ends.len() - 1] - self.ends[k]);
         if (a - b).abs() <= 1e-3 * a.min(b) {

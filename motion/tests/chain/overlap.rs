@@ -1,0 +1,156 @@
+//! A stop at a corner where the next law begins before the last one has ended (M194): whatever is asked for
+//! at whatever cycle around it, the limits hold, the machine stays within the tolerance and comes to its end.
+
+use crate::programs::{Line, through};
+use crate::rounded::{Rounded, distance};
+use crate::stand::{Stand, ask};
+use motion::Limits;
+use motion::chain::{Ask, Corner, Feed, Ratios};
+use testing::Seed;
+
+/// Cycles around the corner: the whole of both pulses of jerk.
+const AROUND: u64 = 30;
+/// A stop takes no longer than this, in cycles.
+const MOST_STOP: u64 = 150;
+const TOLERANCE: f64 = 0.01;
+
+/// Corners of 45° to 110°, and a line that is shorter than an overlap.
+fn contour() -> Vec<Line> {
+    let points = [
+        [0.0, 0.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [2.0, 3.0, 0.0],
+        [3.5, 4.5, 0.0],
+        [3.51, 3.95, 1.0],
+        [3.55, 3.95, 1.0],
+        [0.0, 0.0, 0.0],
+    ];
+    through(&points, Feed::PerSecond(100.0), Corner::Blend(TOLERANCE))
+}
+
+/// How far the axes are beside the place that the way on their block says, mm.
+fn led(stand: &Stand, path: &Rounded) -> f64 {
+    let seen = stand.last.expect("a tick");
+    let right = path.at(seen.step.tag.number, seen.step.along.s);
+    distance(&right, &seen.axes.map(|axis| axis.s))
+}
+
+fn tick(stand: &mut Stand, path: &Rounded, ask: &Ask) -> bool {
+    let goes_on = stand.tick(ask);
+    if let Some(seen) = &stand.last {
+        path.holds(seen);
+    }
+    goes_on
+}
+
+/// The first cycles of all overlaps of an undisturbed run, and how many cycles that takes.
+fn overlaps(blocks: &[Line], path: &Rounded) -> (Vec<u64>, u64) {
+    let mut stand = Stand::new(blocks);
+    let (mut first, mut before) = (Vec::new(), false);
+    while tick(&mut stand, path, &ask()) {
+        let now = led(&stand, path) > 1e-9;
+        if now && !before {
+            first.push(stand.ticks());
+        }
+        before = now;
+    }
+    stand.ends();
+    (first, stand.ticks())
+}
+
+#[test]
+fn every_request_at_every_cycle_around_an_overlap() {
+    let blocks = contour();
+    let path = Rounded::new(&blocks);
+    let (moments, free) = overlaps(&blocks, &path);
+    assert!(moments.len() >= 3, "overlaps at {moments:?}");
+    let ratio = |feed: f64| Ask { ratios: Ratios { feed, ..ask().ratios }, ..ask() };
+    let requests =
+        [Ask { hold: true, ..ask() }, ratio(0.0), ratio(0.2), ratio(1.7), Ask { single: true, ..ask() }];
+    for around in moments {
+        let mut at = Stand::new(&blocks);
+        while at.ticks() + AROUND < around {
+            tick(&mut at, &path, &ask());
+        }
+        while at.ticks() < around + AROUND && at.ticks() + 2 < free {
+            for request in &requests {
+                let mut stand = at.clone();
+                let stops = request.hold || request.single || request.ratios.feed == 0.0;
+                let mut stood = false;
+                for _ in 0..MOST_STOP {
+                    if !tick(&mut stand, &path, request) {
+                        break;
+                    }
+                    stood |= stand.speed() == 0.0 && led(&stand, &path) <= 1e-9;
+                    // At the end of a block it goes on when the key is pressed again.
+                    if request.single && stood {
+                        break;
+                    }
+                }
+                assert!(stood || !stops, "{request:?} at {} does not stop", at.ticks());
+                // Taken back for a moment, and asked for again.
+                for again in [&ask(), request, &ask()] {
+                    (0..5).for_each(|_| _ = tick(&mut stand, &path, again));
+                }
+                while tick(&mut stand, &path, &ask()) {}
+                stand.ends();
+            }
+            tick(&mut at, &path, &ask());
+        }
+    }
+}
+
+/// Blocks that arrive late: one for a stop after another, at every cycle.
+#[test]
+fn blocks_that_arrive_around_the_stop() {
+    let blocks = contour();
+    let path = Rounded::new(&blocks);
+    for every in 1..120 {
+        let mut stand = Stand::new(&blocks);
+        (stand.pace, stand.every) = (1, every);
+        while tick(&mut stand, &path, &ask()) {}
+        stand.ends();
+    }
+}
+
+/// Where the contour must be met the laws wait for each other.
+#[test]
+fn exact_stops_do_not_overlap() {
+    for corner in [Corner::Stop, Corner::Exact(5e-4)] {
+        let blocks: Vec<Line> = contour().into_iter().map(|line| Line { corner, ..line }).collect();
+        let (moments, exact) = overlaps(&blocks, &Rounded::new(&blocks));
+        assert!(moments.is_empty(), "{moments:?}");
+        let blended = contour();
+        let (moments, free) = overlaps(&blended, &Rounded::new(&blended));
+        assert!(free + 8 * moments.len() as u64 <= exact, "{free} cycles instead of {exact}, {moments:?}");
+    }
+}
+
+/// Moves that are over within a cycle or two, and another override in every other cycle: a law may be left
+/// for another one in the very cycle in which it comes to its stop.
+#[test]
+fn moves_of_a_cycle_with_overrides_in_between() {
+    const FAST: Limits = Limits { v: 300.0, a: 9000.0, j: 1e6, dj: 1e8 };
+    let mut stops = 0;
+    for case in 0..60 {
+        let mut random = Seed::of_case(case);
+        let mut at = [0.0; 3];
+        let points: Vec<[f64; 3]> = (0..60)
+            .map(|k| {
+                at[k % 2] += random.scale(1e-3, 0.2) * if random.chance(0.5) { 1.0 } else { -1.0 };
+                at
+            })
+            .collect();
+        let blocks = through(&points, Feed::PerSecond(100.0), Corner::Blend(TOLERANCE));
+        let mut stand = Stand::of(&blocks, [FAST; 3], random.scale(5e-4, 8e-3));
+        let mut asked = ask();
+        while stand.tick(&asked) {
+            stops += u32::from(stand.speed() == 0.0);
+            if random.chance(0.5) {
+                asked.ratios.feed = random.scale(0.02, 2.0);
+            }
+        }
+        stand.ends();
+    }
+    assert!(stops > 0, "nobody stops");
+}
