@@ -64,6 +64,22 @@ fn middle(case: &Case, ready: &Ready) -> u64 {
     first.map_or(0, |first| (first + last) / 2)
 }
 
+/// The cycles in which the retract of X begins, undisturbed.
+fn retracts(Thread { case, ready, .. }: &Thread) -> Vec<u64> {
+    let (mut begun, mut before) = (Vec::new(), false);
+    let mut rig = Rig::new(&ready.machine, ready.items.iter().copied(), Scenario::none(), case.plant_seed)
+        .expect("what is drawn is a plant");
+    while rig.cycle(None, |record| {
+        let x = record.axes.iter().find(|(axis, _)| *axis == Axis::X);
+        let now = x.is_some_and(|(_, status)| status.state() == AxisState::RunOut);
+        if now && !before {
+            begun.push(record.truth.cycle.0);
+        }
+        before = now;
+    }) {}
+    begun
+}
+
 /// What a judge finds who is told of some events, while others happen, over wires of a test.
 pub(crate) fn judged<W: Wires>(
     thread: &Thread,
@@ -246,10 +262,11 @@ fn a_tool_is_as_far_in_the_flank_where_it_leaves_the_part_between_two_cycles_as_
 #[test]
 fn a_tool_that_leaves_from_its_retract_is_no_deeper_than_where_it_began() {
     let thread = drawn(41171);
-    // The retract has begun in cycle 4595. It is slower than a way out, but for its first 30 ms.
-    let hold = Event { at: 4616, what: What::Press(Button::Hold(400)) };
+    // The retract is slower than a way out, but for its first 30 ms.
+    let retract = retracts(&thread)[1];
+    let hold = Event { at: retract + 21, what: What::Press(Button::Hold(400)) };
     assert_eq!(name(judged(&thread, &[hold], &[hold], Straight)), None);
-    let pushed = plant(4640, Trouble::Force(Axis::X, -1500.0, 0.05));
+    let pushed = plant(retract + 45, Trouble::Force(Axis::X, -1500.0, 0.05));
     assert_eq!(name(judged(&thread, &[hold, pushed], &[hold], Straight)), Some("bottom"));
     assert_eq!(name(judged(&thread, &[hold, pushed], &[hold, pushed], Straight)), None);
 }
