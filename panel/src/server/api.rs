@@ -1,6 +1,6 @@
 //! What is there: pages, the state, one place to ask for something, one WebSocket, files of the scope.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use axum::{
     Router,
@@ -12,16 +12,20 @@ use axum::{
     routing::{get, post},
 };
 use serde_json::Value;
+use tokio::time::timeout;
 
 use super::{
     guard::{PROTOCOL, guard},
     house::House,
-    live,
+    live, state,
 };
 use crate::PAGES;
 
 /// Most bytes of a request's body, and of a message on a WebSocket.
 pub(crate) const MOST_ASKED: usize = 1024;
+
+/// So long at most is the first word of the launcher waited for: fields are null before.
+const FIRST_STATE: Duration = Duration::from_secs(2);
 
 /// The whole of it.
 pub(crate) fn router(house: Arc<House>) -> Router {
@@ -42,7 +46,11 @@ pub(crate) fn router(house: Arc<House>) -> Router {
 
 /// All that is seen.
 async fn all(State(house): State<Arc<House>>) -> Response {
-    document(StatusCode::OK, &house.watch().borrow().clone().whole())
+    let mut seen = house.watch();
+    // Right behind its start the server has not heard anything of the machine yet.
+    let _ = timeout(FIRST_STATE, seen.wait_for(state::State::is_known)).await;
+    let whole = seen.borrow().clone().whole();
+    document(StatusCode::OK, &whole)
 }
 
 fn document(status: StatusCode, document: &Value) -> Response {

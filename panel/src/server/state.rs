@@ -52,6 +52,11 @@ impl Trail {
 }
 
 impl State {
+    /// Whether the launcher has told anything of the machine.
+    pub(crate) fn is_known(&self) -> bool {
+        self.fields.get("state").is_some_and(|state| !state.is_null())
+    }
+
     /// These fields are this now.
     pub(crate) fn set(&mut self, fields: Map<String, Value>) {
         for (name, value) in fields {
