@@ -72,8 +72,8 @@ fn half_a_block<const N: usize, T>(block: &Block<N, T>, v: f64, way: f64, axes: 
     let length = 0.5 * pieces * block.path.length();
     let (way, v) = (way.min(length), v.min(programmed));
     let feed = reach(v, programmed, length - way, &limits);
-    let ramp = Ramp::shortest(feed - v, &limits);
-    let even = (length - way - 0.5 * (feed + v) * ramp).max(0.0);
+    let ramp = Ramp::fastest(feed - v, &limits);
+    let even = (length - way - 0.5 * (feed + v) * ramp.duration()).max(0.0);
     let crawl = if way > 0.0 { way / v } else { 0.0 };
-    (ramp + even / feed + crawl, Ramp::fastest(feed - v, &limits))
+    (ramp.duration() + even / feed + crawl, ramp)
 }

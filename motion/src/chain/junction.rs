@@ -113,7 +113,8 @@ pub(super) fn junction<const N: usize, T>(
     }
     let shorter = last.path.length().min(next.path.length());
     let lines = last.path.is_line() && next.path.is_line();
-    let spare = tolerance.min(last.room).min(next.room);
+    let room = last.room.min(next.room);
+    let spare = tolerance.min(room);
     let mut rounding = ROUNDED * size(&next.path.at(0.0)[1]);
     let smooth = jumps.iter().all(|jump| {
         let joins = size(jump) <= rounding;
@@ -127,13 +128,13 @@ pub(super) fn junction<const N: usize, T>(
         if widest < LEAST_HALF.min(shorter) || stop_is_faster([last, next], &blend, size, spare, axes) {
             return Junction::Stop(spare);
         }
-        let alone = last.room.min(next.room) < tolerance;
+        let alone = room < tolerance;
         return Junction::Corner(Turn { jump, size, tolerance, widest, alone });
     }
     if smooth {
         return Junction::Fixed(Blend::NONE);
     }
-    let tolerance = (0.5 * tolerance).min(last.room).min(next.room);
+    let tolerance = (0.5 * tolerance).min(room);
     let half = Blend::half_within(&jumps, tolerance, 0.5 * shorter);
     let blend = Blend::new(jumps, half);
     if half < LEAST_HALF.min(0.5 * shorter) || stop_is_faster([last, next], &blend, turn, spare, axes) {

@@ -354,12 +354,8 @@ mod tests {
                 Ramp::fastest(speed, &top)
             };
             let ramps = [ramp(&mut random, &paths[0]), ramp(&mut random, &paths[1])];
-            let tip = Tip {
-                directions: [direction, paths[1].at(0.0)[1]],
-                bends: [Bend::of(&paths[0]), Bend::of(&paths[1])],
-                tolerance,
-                clear: [0, 1].map(|k: usize| paths[k].length().min(super::MOST_WAY)),
-            };
+            let tip =
+                Tip::between([&paths[0], &paths[1]], tolerance, [0, 1].map(|k: usize| paths[k].length()));
             let Some(time) = tip.longest(&ramps[0], &ramps[1], f64::INFINITY, &AXES) else { continue };
             let [share, off, nearest] = run(&paths, [&ramps[0], &ramps[1]], time);
             assert!(share <= 1.0 + SAME, "{share} of a limit in case {case}, overlap {time}");
