@@ -42,6 +42,7 @@ use serde_json::json;
 pub(crate) use args::{HELP, PanelArgs, PanelCommandArgs};
 use known::{Known, MOST_TEXT, Shown, machine_seen, stays};
 pub(crate) use live::Live;
+use live::fields;
 pub(crate) use session::Who;
 
 use crate::{
@@ -111,15 +112,15 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     };
     let mut said = hint.clone();
     let machine = json!({ "machine": machine_seen(live.tables.machine(), asked.pace.unwrap_or(Pace::ONE)) });
-    live.stands(machine.as_object().cloned().unwrap_or_default());
+    live.stands(fields(&machine));
     if loaded {
         let shown = json!({ "program": { "name": name, "text": intake::text(&program, MOST_TEXT).ok() } });
-        live.stands(shown.as_object().cloned().unwrap_or_default());
+        live.stands(fields(&shown));
     }
     loop {
         live.shows_tables(live.tables.kept());
         let ready = json!({ "state": "ready", "mode": "off", "words": said });
-        live.stands(ready.as_object().cloned().unwrap_or_default());
+        live.stands(fields(&ready));
         let wish = loop {
             if let Some(wish) = live.wish(loaded) {
                 break wish;
