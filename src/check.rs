@@ -9,7 +9,7 @@ use std::{
 
 use clap::Args;
 use gauge::Nominal;
-use interpreter::{CornerNote, Language, PassNote, Severity};
+use interpreter::{BluntNote, CornerNote, Language, PassNote, Severity};
 use machine::Machine;
 use process::shell::LanguageArgs;
 use protocol::Axis;
@@ -249,6 +249,23 @@ fn corners(passes: &[PassNote]) -> String {
     text
 }
 
+/// What the passes of blunt starts leave, a line for each block.
+fn blunt_starts(passes: &[PassNote]) -> String {
+    let blunt = passes.iter().filter_map(|pass| Some((pass.line, pass.blunt?)));
+    let mut lines: BTreeMap<u32, (BluntNote, u64)> = BTreeMap::new();
+    blunt.for_each(|(line, note)| lines.entry(line).or_insert((note, 0)).1 += 1);
+    let mut text = String::new();
+    for (line, (BluntNote { turns, over_deg, whole_from_mm }, passes)) in lines {
+        let _ = writeln!(
+            text,
+            "blunt     line {line}: {} take the ridge away up to {turns} turns behind the face; then it rises over \
+             {over_deg:.1} degrees, and is whole from Z{whole_from_mm:.3} on",
+            counted(passes, "pass", "passes")
+        );
+    }
+    text
+}
+
 fn findings(program: &Program) -> String {
     let mut text = String::new();
     let moves = program.moves;
@@ -286,6 +303,7 @@ fn findings(program: &Program) -> String {
     }
     taps(&mut text, passes);
     text += &corners(passes);
+    text += &blunt_starts(passes);
     if !passes.is_empty() {
         let axes = match passes.iter().any(|pass| pass.along == Axis::X) {
             true => "X (a radius) and Z are those",

@@ -83,6 +83,17 @@ struct Pass {
     end_lead_mm: Option<f64>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     corners: Vec<Corner>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    blunt: Option<Blunt>,
+}
+
+/// What a pass of a blunt start leaves: turns of the groove behind the face at which the ridge begins, the
+/// angle over which it rises, where along Z of the machine it is whole.
+#[derive(Debug, Serialize)]
+struct Blunt {
+    turns: f64,
+    over_deg: f64,
+    whole_from_z_mm: f64,
 }
 
 /// Where a tap brakes in front of its depth, mm; the highest speed that lets it, 1/min; speed of the way out
@@ -179,6 +190,11 @@ impl From<&PassNote> for Pass {
             speed_variation: SpeedVariation::of(note),
             end_lead_mm: note.end_lead_mm,
             corners: note.corners.iter().map(Corner::from).collect(),
+            blunt: note.blunt.map(|blunt| Blunt {
+                turns: blunt.turns,
+                over_deg: blunt.over_deg,
+                whole_from_z_mm: blunt.whole_from_mm,
+            }),
         }
     }
 }

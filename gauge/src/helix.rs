@@ -50,14 +50,17 @@ pub(crate) struct Helix {
     pub(crate) runout: f64,
 }
 
-/// Gives every cut its number of groove.
-pub(crate) fn link(nominal: &Nominal, stations: Vec<Vec<Cut>>) -> Thread {
+/// Gives every cut its number of groove, counted from those about the middle of the thread, mm: what lies
+/// beyond its ends need not be one.
+pub(crate) fn link(nominal: &Nominal, middle_mm: f64, stations: Vec<Vec<Cut>>) -> Thread {
     let (n, advance) = (stations.len() as f64, nominal.advance_mm());
     let mut before: Option<(usize, Vec<Cut>)> = None;
     let mut first: Option<(usize, Cut)> = None;
     let mut cuts = Vec::new();
     for (station, mut here) in stations.into_iter().enumerate().filter(|(_, here)| !here.is_empty()) {
-        let middle = here.len() / 2;
+        let far = |cut: &Cut| (cut.middle - middle_mm).abs();
+        let middle =
+            (0..here.len()).min_by(|a, b| far(&here[*a]).total_cmp(&far(&here[*b]))).unwrap_or_default();
         let step = |from: usize| advance * (station - from) as f64 / n;
         let shift = before.as_ref().and_then(|(from, there)| {
             nearest(there, here[middle].middle - step(*from), f64::INFINITY).map(|cut| cut.groove)

@@ -95,7 +95,7 @@ pub fn judge(nominal: &Nominal, sections: &Sections, full_mm: [f64; 2], crest_mm
     if !ridge {
         return no_ridge(nominal, deepest);
     }
-    let Thread { mut cuts, goes_on } = helix::link(nominal, cuts);
+    let Thread { mut cuts, goes_on } = helix::link(nominal, 0.5 * (full_mm[0] + full_mm[1]), cuts);
     cuts.retain(|cut| (full_mm[0]..=full_mm[1]).contains(&cut.middle));
     if cuts.is_empty() {
         return nothing(nominal, deepest);

@@ -85,7 +85,7 @@ pub use options::{
 pub use output::MessageNote;
 pub use pass_note::PassNote;
 pub use tapping::TapNote;
-pub use thread::CornerNote;
+pub use thread::{BluntNote, CornerNote};
 pub use translate::GaugedThread;
 use translate::Translator;
 

@@ -7,7 +7,7 @@ use machine::{Machine, Varied};
 use protocol::{Axis, Code, CodePacket, Item, ThreadPass, Variation};
 
 use crate::tapping::TapNote;
-use crate::thread::CornerNote;
+use crate::thread::{BluntNote, CornerNote};
 
 /// So many counts of the spindle encoder at least have to lie within the servo error that Z may have on the
 /// helix. On the small lathe a lead of 5 mm faults with one of them at most speeds, with two at some.
@@ -52,6 +52,8 @@ pub struct PassNote {
     pub tap: Option<TapNote>,
     /// How the speed of the spindle is varied in it, and what comes of that.
     pub varied: Option<(Variation, Varied)>,
+    /// What it leaves of the ridge, if it is one of a blunt start.
+    pub blunt: Option<BluntNote>,
     /// How the corners of a chain are rounded.
     pub corners: Vec<CornerNote>,
     /// Lead along the thread where it ends, mm, of one that changes.

@@ -27,13 +27,14 @@ fn text(name: &str) -> String {
 }
 
 /// Every example that cuts a thread and needs nothing besides; the bolt of the first hour has its page.
-const THREADS: [&str; 17] = [
+const THREADS: [&str; 18] = [
     "m20x2.ngc",
     "internal-m30.ngc",
     "varied.ngc",
     "two-inserts.ngc",
     "chain.ngc",
     "lead-table.ngc",
+    "blunt-start.ngc",
     "scroll.ngc",
     "tap-m8.ngc",
     "worm-left.ngc",

@@ -34,7 +34,7 @@ pub(crate) fn arrivals(place: &Place, folder: &str) -> Vec<String> {
 }
 
 /// All examples, each with its machine; the first three are made again in every run of the tests.
-const EXAMPLES: [(&str, &str); 30] = [
+const EXAMPLES: [(&str, &str); 31] = [
     ("fanuc/shaft-m24.nc", "machines/small-lathe"),
     ("mill/contour.ngc", "machines/small-mill"),
     ("positioner/points.toml", "machines/positioner"),
@@ -44,6 +44,7 @@ const EXAMPLES: [(&str, &str); 30] = [
     ("internal-m30.ngc", "machines/small-lathe"),
     ("chain.ngc", "machines/small-lathe"),
     ("lead-table.ngc", "machines/small-lathe"),
+    ("blunt-start.ngc", "machines/small-lathe"),
     ("two-inserts.ngc", "machines/small-lathe"),
     ("scroll.ngc", "machines/small-lathe"),
     ("tap-m8.ngc", "machines/small-lathe"),

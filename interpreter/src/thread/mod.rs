@@ -3,6 +3,7 @@
 //! | file | what it decides |
 //! |---|---|
 //! | `cut.rs` | what one pass shall cut, in mm: the geometry, free of speeds and limits |
+//! | `blunt.rs` | a blunt start: passes that take the beginning of the ridge away |
 //! | `chain.rs` | threads that follow each other: where the lead changes along the path |
 //! | `round.rs` | a thread along an arc, as pieces of a chain |
 //! | `corners.rs` | the windows over which it does |
@@ -20,6 +21,7 @@
 //! | `table.rs` | the leads along a thread, as the program says them |
 //! | `varied.rs` | how the speed of the spindle is varied in a pass, as the program says it |
 
+mod blunt;
 mod chain;
 mod chamfer;
 mod corners;
@@ -38,6 +40,8 @@ mod table;
 mod varied;
 mod way_out;
 
+pub(crate) use blunt::Blunt;
+pub use blunt::BluntNote;
 pub use chain::{Bend, Chain, CornerNote};
 pub(crate) use chain::{Leg, rounded};
 pub(crate) use chamfer::plans;

@@ -12,12 +12,13 @@ use gcode::{Place, Problem};
 use machine::{Machine, Varied};
 use protocol::{Axis, AxisLaw, Code, PerAxis, Position, ThreadPass, Variation, WayOut};
 
+use crate::frame::Frame;
 use crate::pass_note::{PassNote, bytes_of};
 use crate::reach::{Done, within_travel};
 use crate::tapping;
 use crate::thread::{
-    Along, Cut, Cycle, Infeeds, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, Table, plan,
-    plans, rounded, top_share, varied,
+    Along, Blunt, Cut, Cycle, Infeeds, MOST_PASSES, Next, Plan, Point, Policy, Said, Single, Starts, Table,
+    plan, plans, rounded, top_share, varied,
 };
 
 pub(crate) use words::{cycle_on_machine, single};
@@ -46,6 +47,7 @@ pub(crate) struct Threads {
     policy: Policy,
     said: Said,
     table: Table,
+    blunt: Blunt,
     /// The variation that machine code has told so far.
     told: Option<Variation>,
     passes: u32,
@@ -72,13 +74,8 @@ impl Threads {
     }
 
     /// A comment may say what makes the tool leave the threads that follow, how the speed is varied in them,
-    /// or which leads they have.
+    /// which leads they have, or that their ridge begins bluntly.
     pub(crate) fn comment(&mut self, text: &str) -> Done {
-        if let Some(word) = ["blunt_start", "higbee"].into_iter().find(|word| begins_with(text, word)) {
-            let message = format!("{word}: the edge that cuts a groove cannot take the ridge beside it away");
-            let help = "write it as passes of its own, between the grooves, by a tool as wide as the ridge";
-            return Err(Problem::error("not-available", Blame::Block, message, help));
-        }
         let by_others = ["thread_milling", "thread_whirling"];
         if let Some(word) = by_others.into_iter().find(|word| begins_with(text, word)) {
             let message =
@@ -89,12 +86,18 @@ impl Threads {
         }
         self.policy.comment(text)?;
         self.said.comment(text)?;
+        self.blunt.comment(text)?;
         self.table.comment(text)
     }
 
     /// The leads that the program says along Z.
     pub(crate) fn table(&self) -> &Table {
         &self.table
+    }
+
+    /// Whether cycles make the beginning of a ridge.
+    pub(crate) fn is_blunt(&self) -> bool {
+        self.blunt.is_in_force()
     }
 
     /// What machine code has to tell of the speed before a pass.
@@ -191,32 +194,41 @@ impl Threads {
         place: Place,
         cycle: &Cycle,
         rest: &PerAxis<Position>,
-        machine: &Machine,
+        (frame, machine): (&Frame, &Machine),
     ) -> Result<Vec<(Point, ThreadPass)>, Box<Problem>> {
         let depths = cycle.depths();
+        let deepest = depths.iter().copied().fold(0.0, f64::max);
         if depths.len() > MOST_PASSES {
             let message = format!("the cycle would take more than {MOST_PASSES} passes");
             let help = "raise the depth of the first pass, or lower the degression";
             return Err(Problem::error("bad-value", Blame::Block, message, help));
         }
         let variation = self.said.variation(machine);
-        let cut = |depth| Cut { top_share: top_share(variation), ..cycle.cut(depth) };
-        let mut cuts: Vec<Cut> = depths.into_iter().map(cut).collect();
+        let blunt = self.blunt.cuts(cycle, frame)?;
+        let laid_out = blunt.as_ref().map(|_| Blunt::machine(machine));
+        let laid_out = laid_out.as_ref().unwrap_or(machine);
+        let mut cuts = blunt.unwrap_or_else(|| depths.into_iter().map(|depth| cycle.cut(depth)).collect());
+        cuts.iter_mut().for_each(|cut| cut.top_share = top_share(variation));
         for cut in &cuts {
             within_travel(machine, Axis::X, cut.from.x + cut.approach_mm, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.from.z, Blame::Block)?;
             within_travel(machine, Axis::Z, cut.to_mm, Blame::Block)?;
         }
-        let (mut plans, doubt) = plans(cycle, &mut cuts, place.line, machine)?;
+        let (mut plans, doubt) = plans(cycle, &mut cuts, place.line, laid_out)?;
         let varied = plans.iter().map(|plan| varied(&plan.pass, variation, machine));
         let varied = varied.collect::<Result<Vec<_>, _>>()?;
         self.doubts.extend(doubt);
         plans.iter_mut().for_each(|plan| plan.pass.out.leaves = self.policy.leaves(plan.pass.out.leaves));
-        let start = cuts.first().map_or(0, |cut| self.starts.number(cut, place));
+        // A pass of a blunt start lies beside the groove that it belongs to.
+        let groove = self.is_blunt().then(|| cycle.cut(deepest)).or(cuts.first().copied());
+        let start = groove.map_or(0, |cut| self.starts.number(&cut, place));
         let passes = cuts.iter().zip(plans.into_iter().zip(varied));
         Ok(passes
             .map(|(cut, planned)| {
-                (cut.from, self.number((place, cycle.units), planned, cut, start, rest, machine))
+                let blunt = self.blunt.note(cut, &planned.0, frame);
+                let pass = self.number((place, cycle.units), planned, cut, start, rest, machine);
+                self.notes.iter_mut().next_back().into_iter().for_each(|note| note.blunt = blunt);
+                (cut.from, pass)
             })
             .collect())
     }
@@ -237,13 +249,14 @@ impl Threads {
             let at = rest[axis.index()];
             pass.axes[axis.index()] = AxisLaw { start: at, end: at, ..AxisLaw::default() };
         }
-        if let Some(doubt) = mostly_shallow((place.line, units), cut, planned.full_depth_mm) {
+        let shallow = mostly_shallow((place.line, units), cut, planned.full_depth_mm);
+        if let Some(doubt) = shallow.filter(|_| !self.is_blunt()) {
             // Of the passes of a cycle the deepest, which comes last, takes the longest way out.
             self.doubts.retain(|other| (other.code, other.blame) != (doubt.code, doubt.blame));
             self.doubts.push(doubt);
         }
         let (across, line) = (pass.axis(cut.along.lifts()), place.line);
-        let infeed_mm = self.infeeds.beyond(cut, start, place);
+        let infeed_mm = if self.is_blunt() { None } else { self.infeeds.beyond(cut, start, place) };
         self.notes.push(PassNote {
             pass: pass.pass,
             line,
@@ -262,6 +275,7 @@ impl Threads {
             infeed_mm,
             tool: None,
             varied,
+            blunt: None,
         });
         pass
     }
@@ -293,6 +307,7 @@ impl Threads {
             infeed_mm: None,
             tool: None,
             varied: None,
+            blunt: None,
             corners: Vec::new(),
             end_lead_mm: None,
         });

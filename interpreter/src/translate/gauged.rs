@@ -54,6 +54,8 @@ struct Passes {
     /// Each by its number, and where along Z of the machine it begins to be this thread, mm: nothing where it
     /// is from its beginning.
     from_mm: BTreeMap<u32, Option<f64>>,
+    /// Where its ridges are whole along Z of the machine, mm, behind a blunt start.
+    whole_from_mm: Option<f64>,
 }
 
 /// A thread that somebody named.
@@ -115,7 +117,7 @@ impl Gauged {
     pub(crate) fn threads(&self) -> Vec<GaugedThread> {
         let thread = |Named { nominal, passes, .. }: &Named| GaugedThread {
             nominal: nominal.clone(),
-            from_mm: passes.from_mm.clone(),
+            from_mm: passes.begin_mm(),
         };
         self.named.iter().map(thread).collect()
     }
@@ -244,6 +246,19 @@ impl Gauged {
 }
 
 impl Passes {
+    /// Where each pass begins to be this thread: behind a blunt start none does before that is over.
+    fn begin_mm(&self) -> BTreeMap<u32, Option<f64>> {
+        let begin = |(pass, from): (&u32, &Option<f64>)| (*pass, from.or(self.whole_from_mm));
+        self.from_mm.iter().map(begin).collect()
+    }
+
+    /// Takes a pass of a blunt start: it cuts no groove.
+    fn take_blunt(&mut self, pass: u32, whole_from_mm: f64, grows: bool) {
+        self.from_mm.insert(pass, None);
+        let farther = |mm: f64| if grows { mm.max(whole_from_mm) } else { mm.min(whole_from_mm) };
+        self.whole_from_mm = Some(self.whole_from_mm.map_or(whole_from_mm, farther));
+    }
+
     /// Takes a pass of a kind.
     fn take(&mut self, pass: u32, from_mm: Option<f64>, kind: Kind) {
         self.from_mm.entry(pass).or_insert(from_mm);
@@ -333,7 +348,13 @@ impl Translator {
 
     /// A pass was programmed where the part lay at `origin`.
     pub(super) fn gauge_sees_pass(&mut self, place: Place, pass: &ThreadPass, origin: Point) {
-        self.gauged.pass(place, pass, origin);
+        match self.threads.notes().iter().rfind(|note| note.pass == pass.pass).and_then(|note| note.blunt) {
+            Some(blunt) => {
+                let now = self.gauged.now;
+                self.gauged.passes(now).take_blunt(pass.pass, blunt.whole_from_mm, pass.lead_mm > 0.0);
+            }
+            None => self.gauged.pass(place, pass, origin),
+        }
     }
 
     /// The program is over.

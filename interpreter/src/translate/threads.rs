@@ -11,7 +11,7 @@ use crate::pass_note::coarse_encoder;
 use crate::reach::Done;
 use crate::retract;
 use crate::spindle::Turning;
-use crate::thread::{Next, Point, Round};
+use crate::thread::{Blunt, Next, Point, Round};
 use crate::threading::{self, in_plane_of, is_apart};
 
 impl Translator {
@@ -28,6 +28,9 @@ impl Translator {
         (target, round): (&Pose, Option<Round>),
         synchronised: &Synchronised,
     ) -> Done {
+        if self.threads.is_blunt() {
+            return Err(Blunt::refuses("a thread by G33 (G32)"));
+        }
         let turning = Turning { spindle: &self.spindle, frame: &self.modal.frame };
         let of = (place.line, self.threads.waits());
         let told = (synchronised, self.threads.table());
@@ -90,7 +93,8 @@ impl Translator {
         let cycle = threading::cycle_on_machine(cycle, turning, &self.machine)?;
         self.warn_of_encoder(place, cycle.lead_mm);
         let rest = self.points.axes_at_rest();
-        let passes = self.threads.cycle(place, &cycle, &rest, &self.machine)?;
+        let on = (&self.modal.frame, &self.machine);
+        let passes = self.threads.cycle(place, &cycle, &rest, on)?;
         self.spindle.hold(cycle.s_rpm);
         for (from, pass) in passes {
             self.line_to(place.line, in_plane_of(self.points.rest(), from), Feed::Rapid);

@@ -2,6 +2,7 @@
 
 mod bad_programs;
 mod blocks;
+mod blunt;
 mod chain;
 mod curves;
 mod cycle;

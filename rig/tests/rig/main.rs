@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout)] // `-- --nocapture` shows the figures behind a verdict
 
+mod blunt;
 mod by_hand;
 mod chains;
 mod cones;

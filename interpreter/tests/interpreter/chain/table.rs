@@ -133,8 +133,6 @@ fn what_is_no_table_is_refused_with_a_remedy() {
     for word in ["thread_milling, M20x2", "THREAD_WHIRLING"] {
         refused(&format!("({word})\nG33 Z-20 K2"), 3, "the tool would turn by itself", "G2 or G3 with Z");
     }
-    refused("(blunt_start)\nG33 Z-20 K2", 3, "cannot take the ridge", "as wide as the ridge");
-    refused("(Higbee, 1)\nG33 Z-20 K2", 3, "cannot take the ridge", "as wide as the ridge");
     refused("(lead_spline, Z0 K2, Z-10 K3)", 3, "not told by a spline", "as many rows");
     refused(
         "(lead table of the shop)\n(lead_table, Z0 K2, Z-40 K3)\nG33 Z-60 K2.5",

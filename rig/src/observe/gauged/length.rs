@@ -34,30 +34,33 @@ pub(super) fn longer_mm(one: Option<[f64; 2]>, other: [f64; 2]) -> Option<[f64; 
 }
 
 /// Where a pass is at full depth on one lead in the stock, along Z of the program: on its first, or on the
-/// first behind `from_mm` of the machine. Stock that the machine file tells of does not move with another
-/// tool: it lies where the first pass sees it. Along the last `chamfer_mm` of a tap its teeth are not
-/// whole.
+/// first behind `from_mm` of the machine and from there on. Stock that the machine file tells of does not
+/// move with another tool: it lies where the first pass sees it. Along the last `chamfer_mm` of a tap its
+/// teeth are not whole. `None` of a pass that ends before that place, as those of a blunt start: it cuts none
+/// of the thread.
 pub(super) fn full_mm(
     planned: &Planned,
     from_mm: Option<f64>,
     [origin_mm, first_origin_mm]: [f64; 2],
     chamfer_mm: f64,
-) -> [f64; 2] {
+) -> Option<[f64; 2]> {
     let helix = Helix::of(&planned.pass, Axis::Z);
-    let [from_deg, to_deg] = on_one_lead_deg(&planned.pass, &helix, from_mm);
+    let [from_deg, to_deg] = on_one_lead_deg(&planned.pass, &helix, from_mm)?;
     let at = |deg: f64| helix.at_mm(deg) - origin_mm;
     let [a, b] = [at(from_deg), at(to_deg)];
+    let way = planned.pass.lead_mm.signum();
+    let a = from_mm.map_or(a, |from| way * (way * a).max(way * (from - origin_mm)).min(way * b));
     let b = b + chamfer_mm.min((b - a).abs()) * (a - b).signum();
     let [low, high] = match &planned.stock {
         Stock::Ends(ends) => ends.map(|end| end - first_origin_mm),
         Stock::Part(part, _) => part.ends_mm(),
     };
-    [a.min(b).max(low), a.max(b).min(high)]
+    Some([a.min(b).max(low), a.max(b).min(high)])
 }
 
 /// Where a pass is on one lead, degrees: up to its first corner, or between those behind a place. What
 /// follows a corner is another thread.
-fn on_one_lead_deg(pass: &ThreadPass, helix: &Helix, from_mm: Option<f64>) -> [f64; 2] {
+fn on_one_lead_deg(pass: &ThreadPass, helix: &Helix, from_mm: Option<f64>) -> Option<[f64; 2]> {
     let locked_deg = pass.axes.iter().map(protocol::AxisLaw::locked_deg).fold(0.0, f64::max);
     let end_deg = pass.thread_end_deg.max(locked_deg);
     let begins = pass.corners().map(|corner| corner.c_deg + corner.dc_deg);
@@ -65,8 +68,7 @@ fn on_one_lead_deg(pass: &ThreadPass, helix: &Helix, from_mm: Option<f64>) -> [f
     let mut leads = std::iter::once(locked_deg).chain(begins).zip(ends);
     let way = pass.lead_mm.signum();
     let is_behind = |end_deg: f64| from_mm.is_none_or(|from| way * (helix.at_mm(end_deg) - from) > 0.0);
-    let found = leads.find(|(_, end)| is_behind(*end));
-    let (from, to) = found.unwrap_or((end_deg, end_deg));
+    let (from, to) = leads.find(|(_, end)| is_behind(*end))?;
     let [from, to] = [from, to].map(|deg| deg.clamp(locked_deg, end_deg));
-    [from, to.max(from)]
+    Some([from, to.max(from)])
 }

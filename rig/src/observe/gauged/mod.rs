@@ -171,9 +171,10 @@ impl Gauged {
             gauged.other_side |= pass.cuts_outwards(x).is_some_and(|away| away != is_nut);
             let chamfer_mm = tap.as_ref().map_or(0.0, |_| tapped::PARTIAL * nominal.pitch_mm);
             let length_mm = full_mm(planned, gauged.begins_mm(*number), [z, first_mm], chamfer_mm);
-            match &tap {
-                Some(_) => tapped_mm = longer_mm(tapped_mm, length_mm),
-                None => lengths_mm.push(length_mm),
+            match (&tap, length_mm) {
+                (Some(_), Some(length_mm)) => tapped_mm = longer_mm(tapped_mm, length_mm),
+                (None, Some(length_mm)) => lengths_mm.push(length_mm),
+                (_, None) => {}
             }
             gauged.taps.extend(tap.map(|tap| (*number, tap)));
         }
