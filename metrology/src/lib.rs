@@ -15,8 +15,9 @@
 //! |---|---|
 //! | `iso_m.rs`, `grades.rs`, `deviations.rs` | ISO 68-1, 261, 724, 965-1 (M); ISO 5855-1, ASME B1.21M (MJ) |
 //! | `trapezoidal.rs` | ISO 2901 … 2904 (Tr) |
-//! | `unified.rs`, `series.rs` | ASME B1.1 (UN, UNC, UNF, UNEF, UNS and UNR of each) |
+//! | `unified.rs`, `series.rs` | ASME B1.1 (UN, UNC, UNF, UNEF, UNS and UNR of each), B1.15 (UNJ of each) |
 //! | `acme.rs` | ASME B1.5, general purpose |
+//! | `buttress.rs` | ASME B1.9 (BUTT) |
 //! | `pipe.rs` | ISO 228-1 (G), ISO 7-1 (R, Rp), ASME B1.20.1 (NPT) |
 //! | `basic.rs` | DIN 405 (Rd), BS 84 (BSW), worms of a module: no limits, basic sizes |
 //!
@@ -26,6 +27,7 @@
 
 mod acme;
 mod basic;
+mod buttress;
 mod deviations;
 mod grades;
 mod iso_m;

@@ -5,6 +5,7 @@ use std::{fmt, str::FromStr};
 use crate::{
     acme::Acme,
     basic::{Round, Whitworth, Worm},
+    buttress::Buttress,
     iso_m::Metric,
     limits::{Limits, Side},
     name::{self, Misread},
@@ -33,6 +34,7 @@ pub(crate) enum Form {
     Trapezoidal(Trapezoidal),
     Unified(Unified),
     Acme(Acme),
+    Buttress(Buttress),
     Taper(Taper),
     Parallel(Parallel),
     Jointing(Jointing),
@@ -48,6 +50,7 @@ impl Form {
             Form::Trapezoidal(form) => form,
             Form::Unified(form) => form,
             Form::Acme(form) => form,
+            Form::Buttress(form) => form,
             Form::Taper(form) => form,
             Form::Parallel(form) => form,
             Form::Jointing(form) => form,

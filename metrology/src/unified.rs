@@ -1,5 +1,5 @@
-//! Unified inch threads, ASME B1.1: UN, UNC, UNF, UNEF, UNS, and UNR of each. In: size in inches, threads per
-//! inch, classes. Out: limits in inches, four places.
+//! Unified inch threads: UN, UNC, UNF, UNEF, UNS, and UNR of each of ASME B1.1, UNJ of each of ASME B1.15.
+//! In: size in inches, threads per inch, classes. Out: limits in inches, four places.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -16,7 +16,11 @@
 //! 3B: 0.05 P^⅔ + 0.03 P/D − 0.002, within 0.23 P − 1.5 P² (13 threads per inch and finer) or 0.12 P
 //!     and 0.394 P
 //! d1_max = d_max − 1.226869 P, of UNR d_max − 1.19078 P                                             (M143)
+//! UNJ: tolerances of UN; root radius R from 0.15011 P to 0.18042 P, so that the root is H/2 − R below the
+//!     pitch line: d3_max = d2_max − H + 2 R_max,  d3_min = d2_min − H + 2 R_min,  H = 0.866025 P
+//!     D1_min = D − 9/8 H, the crest of the nut clear of that root                                    (M261)
 //! ```
+//! D1_max of UNJ is none of these formulas, and no public table of it was found: it is not told.
 //!
 //! Rounding: every product to four places, a half to the even one; D2 = D − 0.649519 P and D1 = D − 1.082532
 //! P to four places before anything is added. Then D1 of 1B and 2B to three places from No. 6 up (0.138 in),
@@ -36,14 +40,39 @@ use crate::{
 /// From this size on minor diameters of nuts have three places, in: No. 6.
 const THREE_PLACES_FROM: f64 = 0.138;
 
+/// What the root of the screw is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Root {
+    /// Flat or rounded: UN.
+    Flat,
+    /// Rounded: UNR.
+    Rounded,
+    /// With a large radius, and a nut that is clear of it: UNJ.
+    Large,
+}
+
+impl Root {
+    /// The letter behind UN.
+    fn letter(self) -> &'static str {
+        match self {
+            Root::Flat => "",
+            Root::Rounded => "R",
+            Root::Large => "J",
+        }
+    }
+}
+
+/// H of a pitch of one, and the radii of the root of UNJ.
+const H: f64 = 0.866025;
+const RADII: [f64; 2] = [0.15011, 0.18042];
+
 /// A unified thread; in.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Unified {
     pub(crate) size: InchSize,
     pub(crate) tpi: f64,
     pub(crate) series: Series,
-    /// Whether the root of the screw is rounded: UNR.
-    pub(crate) rounded: bool,
+    pub(crate) root: Root,
     /// Class of the screw: 1, 2 or 3.
     pub(crate) external: Option<u8>,
     /// Class of the nut: 1, 2 or 3.
@@ -55,9 +84,14 @@ impl Unified {
         1.0 / self.tpi
     }
 
+    /// D − D1 of a pitch of one.
+    fn height(&self) -> f64 {
+        if self.root == Root::Large { 1.125 * H } else { 1.082532 }
+    }
+
     /// D2 and D1, four places.
     fn basic(&self) -> [f64; 2] {
-        [0.649519, 1.082532].map(|depth| even(self.size.inches() - depth * self.pitch(), 4))
+        [0.649519, self.height()].map(|depth| even(self.size.inches() - depth * self.pitch(), 4))
     }
 
     /// T (M142).
@@ -85,14 +119,27 @@ impl Unified {
         let four = |value: f64| even(value, 4);
         let d_max = four(four(d) - allowance);
         let d2_max = four(d2 - allowance);
-        let flat = if self.rounded { 1.19078 } else { 1.226869 };
-        vec![
+        let d2_min = four(d2_max - four(factor * t));
+        let mut sizes = vec![
             (Size::MajorMax, d_max),
             (Size::MajorMin, four(d_max - four(crest * libm::pow(pitch, 2.0 / 3.0)))),
             (Size::PitchMax, d2_max),
-            (Size::PitchMin, four(d2_max - four(factor * t))),
-            (Size::FlatMinorMax, four(d_max - flat * pitch)),
-        ]
+            (Size::PitchMin, d2_min),
+        ];
+        match self.root {
+            Root::Flat => sizes.push((Size::FlatMinorMax, four(d_max - 1.226869 * pitch))),
+            Root::Rounded => sizes.push((Size::FlatMinorMax, four(d_max - 1.19078 * pitch))),
+            Root::Large => {
+                let [least, most] = RADII;
+                sizes.extend([
+                    (Size::MinorMax, four(d2_max - (H - 2.0 * most) * pitch)),
+                    (Size::MinorMin, four(d2_min - (H - 2.0 * least) * pitch)),
+                    (Size::RootRadiusMax, four(most * pitch)),
+                    (Size::RootRadiusMin, four(least * pitch)),
+                ]);
+            }
+        }
+        sizes
     }
 
     /// T_D1 (M143), four places.
@@ -117,22 +164,26 @@ impl Unified {
             _ => 0.975,
         };
         let four = |value: f64| even(value, 4);
-        let d1_max = four(d1 + self.minor_tolerance(class));
-        let coarse = self.size.inches() >= THREE_PLACES_FROM;
-        let [largest, smallest] = [coarse && class != 3, coarse].map(|three| if three { 3 } else { 4 });
-        vec![
+        let mut sizes = vec![
             (Size::MajorMin, four(self.size.inches())),
             (Size::PitchMax, four(d2 + four(factor * self.tolerance()))),
             (Size::PitchMin, d2),
-            (Size::MinorMax, half_up(d1_max, largest)),
-            (Size::MinorMin, half_up(d1, smallest)),
-        ]
+        ];
+        if self.root == Root::Large {
+            sizes.push((Size::MinorMin, d1));
+            return sizes;
+        }
+        let d1_max = four(d1 + self.minor_tolerance(class));
+        let coarse = self.size.inches() >= THREE_PLACES_FROM;
+        let [largest, smallest] = [coarse && class != 3, coarse].map(|three| if three { 3 } else { 4 });
+        sizes.extend([(Size::MinorMax, half_up(d1_max, largest)), (Size::MinorMin, half_up(d1, smallest))]);
+        sizes
     }
 }
 
 impl Described for Unified {
     fn standard(&self) -> &'static str {
-        "ASME B1.1 UN"
+        if self.root == Root::Large { "ASME B1.15 UNJ" } else { "ASME B1.1 UN" }
     }
 
     fn limits(&self) -> Limits {
@@ -149,13 +200,17 @@ impl Described for Unified {
             starts: 1,
             major_mm: d,
             pitch_diameter_mm: d - 0.649519 * pitch,
-            minor_mm: d - 1.082532 * pitch,
+            minor_mm: d - self.height() * pitch,
             taper: 0.0,
             left_hand: false,
         }
     }
 
     fn note(&self) -> &'static str {
+        if self.root == Root::Large {
+            return "The root of the screw has a radius between R_min and R_max. Tolerances are those of UN with the standard \
+                    length of engagement. D_max is not limited; D1_max is not known here.";
+        }
         "d1_max is d_max - 1.226869 P, as older tables have it, of UNR d_max - 1.19078 P (B1.1-2003); the flat form has \
          d_max - 1.082532 P. Tolerances are those of the standard length of engagement. D_max is not limited."
     }
@@ -163,8 +218,7 @@ impl Described for Unified {
 
 impl fmt::Display for Unified {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rounded = if self.rounded { "R" } else { "" };
-        write!(f, "{}-{} UN{rounded}{}", self.size, self.tpi, self.series.letters())?;
+        write!(f, "{}-{} UN{}{}", self.size, self.tpi, self.root.letter(), self.series.letters())?;
         let classes = self.external.map(|class| format!("{class}A")).into_iter();
         let classes: Vec<String> = classes.chain(self.internal.map(|class| format!("{class}B"))).collect();
         write!(f, "-{}", classes.join("/"))

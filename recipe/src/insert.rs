@@ -210,7 +210,7 @@ impl Family {
         let name = thread.to_string();
         let standard = thread.standard();
         match () {
-            () if name.starts_with("MJ") => Family::Jet,
+            () if name.starts_with("MJ") || name.contains(" UNJ") => Family::Jet,
             () if name.starts_with("Tr") => Family::Trapezoidal,
             () if name.contains("ACME") => Family::Acme,
             () if standard.contains("NPT") => Family::Npt,

@@ -24,7 +24,7 @@ pub(crate) const HELP: &str = "Examples:
 
 Names, with d for external and D for internal threads in the answer:
   M20, M20x2, M20x2-6g/6H, MJ6x1-4h6h/4H5H, Tr40x7-7e/7H, Tr40x14P7-8e, 1/4-20 UNC-2A, #10-32 UNF-3A/3B, 1 1/8-8 UNR,
-  1/2-10 ACME-2G, 1/2-14 NPT, G1/2-A, R1/2, BSW 3/16-24, Rd105 x 1/4, module worm m3 z1=2 d44;
+  1/4-28 UNJF-3A, 2-4 BUTT-2A, 1/2-10 ACME-2G, 1/2-14 NPT, G1/2-A, R1/2, BSW 3/16-24, Rd105 x 1/4, module worm m3 z1=2 d44;
   behind any of them LH, external or internal; quote what a shell would take for its own, as in '#10-32 UNF'
 
 Tools, for --tool: an insert as in 16ER2.0ISO, 16IR14UN, 16ERAG60, 22ERTR6; a shape as in 'A60 R0.1' or 'A30 W1.9' (angle

@@ -74,7 +74,9 @@ impl Nominal {
 /// What the standard asks besides.
 fn left_out(thread: &Thread, side: Side) -> &'static [&'static str] {
     match (thread.standard(), side) {
-        ("ISO 5855 MJ", Side::External) => &["the radius of the root, 0.15011 to 0.18042 P, is not judged"],
+        ("ISO 5855 MJ" | "ASME B1.15 UNJ", Side::External) => {
+            &["the radius of the root, 0.15011 to 0.18042 P, is not judged"]
+        }
         (standard, _) if standard.ends_with("NPT") => &["truncation of crest and root is not judged"],
         _ => &[],
     }

@@ -11,15 +11,15 @@ use super::{
 use crate::{
     acme::Acme,
     basic::Whitworth,
+    buttress::{self, Buttress},
     pipe::{self, Taper},
     series::Series,
     thread::Form,
-    unified::Unified,
+    unified::{Root, Unified},
 };
 
 /// Series that exist and are not here, and what to take or know instead.
-const ELSEWHERE: [(&str, &str); 9] = [
-    ("UNJ", "UNJ (ASME B1.15) is not known here; UNR is the nearest that is"),
+const ELSEWHERE: [(&str, &str); 8] = [
     ("STUB", "stub Acme (ASME B1.8) is not known here; ACME-2G is general purpose"),
     ("NPTF", "dryseal threads (ASME B1.20.3) are not known here; NPT is"),
     ("NPS", "straight pipe threads (NPSM, NPSC, ...) are not known here; NPT and G are"),
@@ -31,7 +31,8 @@ const ELSEWHERE: [(&str, &str); 9] = [
 ];
 
 /// What a size and threads per inch may be followed by.
-const SERIES: &str = "UNC, UNF, UNEF, UN, UNS, UNRC ... with a class as in -2A/2B; ACME-2G; NPT; BSW";
+const SERIES: &str =
+    "UNC, UNF, UNEF, UN, UNS, UNRC ..., UNJC ... with a class as in -2A/2B; ACME-2G; BUTT-2A; NPT; BSW";
 
 /// Reads a name that begins with its size.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
@@ -59,10 +60,21 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
     };
     match series.as_str() {
         "ACME" => acme(cursor, size, tpi.ok_or_else(missing)?, at.clone()),
+        "BUTT" => buttress(cursor, size, tpi.ok_or_else(missing)?, (false, at.clone())),
+        "PUSH" if cursor.one_of("-").is_some() && cursor.word("BUTT") => {
+            buttress(cursor, size, tpi.ok_or_else(missing)?, (true, at.clone()))
+        }
         "BSW" => whitworth(size, tpi.ok_or_else(missing)?, at.clone()),
         "" => Err(cursor.wrong(from, "the series is missing", format!("write one of {SERIES}"))),
         _ => {
-            let letters = series.strip_prefix("UN").map(|rest| rest.strip_prefix('R').unwrap_or(rest));
+            let (letters, root) = match series.strip_prefix("UN") {
+                Some(rest) => match (rest.strip_prefix('R'), rest.strip_prefix('J')) {
+                    (Some(letters), _) => (Some(letters), Root::Rounded),
+                    (_, Some(letters)) => (Some(letters), Root::Large),
+                    (None, None) => (Some(rest), Root::Flat),
+                },
+                None => (None, Root::Flat),
+            };
             let known = letters.and_then(|of| Series::ALL.iter().find(|(letters, _)| *letters == of));
             let Some((_, known)) = known else {
                 return Err(cursor.wrong(
@@ -71,12 +83,11 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<Form, Misread> {
                     format!("known are {SERIES}"),
                 ));
             };
-            let rounded = series.starts_with("UNR");
             let (size, tpi) = match tpi {
                 Some(tpi) => (size.of_unified(tpi), tpi),
                 None => sole_pitch(size, *known).ok_or_else(missing)?,
             };
-            unified(cursor, size, tpi, (*known, rounded), at)
+            unified(cursor, size, tpi, (*known, root), at)
         }
     }
 }
@@ -146,7 +157,7 @@ fn unified(
     cursor: &mut Cursor<'_>,
     size: InchSize,
     tpi: f64,
-    (series, rounded): (Series, bool),
+    (series, root): (Series, Root),
     at: Range<usize>,
 ) -> Result<Form, Misread> {
     if series.gives_the_pitch() && series.threads_per_inch(size.inches()) != Some(tpi) {
@@ -163,11 +174,16 @@ fn unified(
         return Err(wrong_at(at, format!("number {size} has at least {coarse} threads per inch"), help));
     }
     fits(size, tpi, 3.0, at)?;
-    let help = "ASME B1.1 has 1A, 2A, 3A for screws and 1B, 2B, 3B for nuts, as in 2A/2B";
-    let found = classes(cursor, 1..=3, "ABab", help)?;
+    let (least, usual, help) = match root {
+        Root::Large => {
+            (2, 3, "UNJ of ASME B1.15 has 2A and 3A for screws and 2B and 3B for nuts, as in 3A/3B")
+        }
+        _ => (1, 2, "ASME B1.1 has 1A, 2A, 3A for screws and 1B, 2B, 3B for nuts, as in 2A/2B"),
+    };
+    let found = classes(cursor, least..=3, "ABab", help)?;
     let of = |letter| found.iter().find(|(_, of)| *of == letter).map(|(digit, _)| *digit);
-    let [external, internal] = if found.is_empty() { [Some(2); 2] } else { ['A', 'B'].map(of) };
-    Ok(Form::Unified(Unified { size, tpi, series, rounded, external, internal }))
+    let [external, internal] = if found.is_empty() { [Some(usual); 2] } else { ['A', 'B'].map(of) };
+    Ok(Form::Unified(Unified { size, tpi, series, root, external, internal }))
 }
 
 fn acme(cursor: &mut Cursor<'_>, size: InchSize, tpi: f64, at: Range<usize>) -> Result<Form, Misread> {
@@ -180,6 +196,28 @@ fn acme(cursor: &mut Cursor<'_>, size: InchSize, tpi: f64, at: Range<usize>) -> 
     let found = classes(cursor, 2..=4, "Gg", help)?;
     let class = found.first().map_or(2, |(class, _)| *class);
     Ok(Form::Acme(Acme { size, tpi, class }))
+}
+
+fn buttress(
+    cursor: &mut Cursor<'_>,
+    size: InchSize,
+    tpi: f64,
+    (push, at): (bool, Range<usize>),
+) -> Result<Form, Misread> {
+    if !buttress::SIZES.contains(&size.inches()) || !(1.0..=20.0).contains(&tpi) {
+        let help = "here are sizes from 1/2 to 12 in with 1 to 20 threads per inch";
+        return Err(wrong_at(
+            at,
+            format!("BUTT of {size} in with {tpi} threads per inch does not exist"),
+            help,
+        ));
+    }
+    fits(size, tpi, 4.0, at)?;
+    let help = "ASME B1.9 has 2A and 3A for screws and 2B and 3B for nuts, as in 2A/2B";
+    let found = classes(cursor, 2..=3, "ABab", help)?;
+    let of = |letter| found.iter().find(|(_, of)| *of == letter).map(|(digit, _)| *digit);
+    let [external, internal] = if found.is_empty() { [Some(2); 2] } else { ['A', 'B'].map(of) };
+    Ok(Form::Buttress(Buttress { size, tpi, push, external, internal }))
 }
 
 fn whitworth(size: InchSize, tpi: f64, at: Range<usize>) -> Result<Form, Misread> {

@@ -34,7 +34,9 @@ pub const UNDERSTOOD: &str =
 MJ6x1-4h6h/4H5H                                                    ISO 5855, ASME B1.21M
 Tr40x7-7e/7H, Tr40x14P7-8e                                         ISO 2903 trapezoidal
 1/4-20 UNC-2A/2B, #10-32 UNF-3A, 1.125-7 UNC, 1 1/8-8 UNR-2A       ASME B1.1 unified
+1/4-28 UNJF-3A, #10-32 UNJF-3B                                     ASME B1.15 unified, large root radius
 1/2-10 ACME-2G, 3/4-6 ACME internal                                ASME B1.5 Acme, general purpose
+2-4 BUTT-2A/2B, 2-4 PUSH-BUTT-3A                                   ASME B1.9 buttress
 1/2-14 NPT, NPT 1/2-14                                             ASME B1.20.1 tapered pipe
 G1/2-A, G1 1/4 B                                                   ISO 228 parallel pipe
 R1/2, Rp1/2, Rc1/2                                                 ISO 7 pipe
@@ -46,13 +48,14 @@ const KNOWN: &str =
     "write a name as in M20x2-6g, MJ6x1, Tr40x7, 1/4-20 UNC-2A, 1/2-10 ACME-2G, 1/2-14 NPT, G1/2-A, R1/2";
 
 /// Letters that names of other threads begin with, and what to know of them.
-const ELSEWHERE: [(&str, &str); 6] = [
+const ELSEWHERE: [(&str, &str); 7] = [
     ("UN", "the size comes first, as in 1/4-20 UNC-2A"),
     ("ACME", "the size comes first, as in 1/2-10 ACME-2G"),
     ("EG", "threads for inserts (DIN 8140) are not known here"),
     ("PG", "conduit threads (DIN 40430) are not known here"),
     ("BSP", "write G1/2-A for a parallel one, R1/2 for a tapered one"),
-    ("S", "buttress threads (DIN 513, ASME B1.9) are not known here; Tr and ACME are"),
+    ("BUTT", "the size comes first, as in 2-4 BUTT-2A"),
+    ("S", "metric buttress threads (DIN 513) are not known here; BUTT, Tr and ACME are"),
 ];
 
 /// Reads a whole name.

@@ -107,7 +107,12 @@ fn refusals_have_their_place_and_a_remedy() {
         ("3/16-24 UNF-2A", "3/16-24", "3/16-24 UNS"),
         ("1/4-20", "", "series"),
         ("1/4-20 UNX-2A", "UNX", "UNEF"),
-        ("1/4-20 UNJC-3A", "UNJC", "UNR"),
+        ("1/4-20 UNJC-1A", "1A", "2A and 3A"),
+        ("BUTT 2-4", "BUTT", "size comes first"),
+        ("1/4-20 BUTT-2A", "1/4-20", "1/2 to 12 in"),
+        ("2-4 BUTT-1A", "1A", "2A and 3A"),
+        ("2 BUTT", "2", "threads per inch"),
+        ("2-4 PUSH", "PUSH", "not known"),
         ("1/4-20 UNC-4A", "4A", "1A, 2A, 3A"),
         ("1/4-2 UNS", "1/4-2", "do not fit"),
         ("#7-32 UNC", "#7", "6, 8, 10"),
@@ -168,7 +173,7 @@ fn check(text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-const KNOWN: [&str; 15] = [
+const KNOWN: [&str; 17] = [
     "M20x2-6g/6H",
     "M16xPh3P1.5-4g6g LH",
     "MJ6x1-4h6h/4H5H",
@@ -177,6 +182,8 @@ const KNOWN: [&str; 15] = [
     "1/4-20 UNC-2A/2B",
     "1 1/8-8 UNRS-3A external",
     "#10-32 UNF-3A",
+    "1/4-28 UNJF-3A/3B",
+    "2.5-8 PUSH-BUTT-2A LH",
     "1.125-5 ACME-3G internal",
     "NPT 1 1/2-11.5",
     "G1 1/4-B",

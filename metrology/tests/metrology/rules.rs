@@ -255,3 +255,66 @@ fn profiles_are_those_of_the_standards() {
     assert_eq!("NPT 1/2".parse::<Thread>().expect("a name").profile().taper, 1.0 / 16.0);
     assert!(close("M20x2".parse::<Thread>().expect("a name").profile().pitch_diameter_mm, 18.700962));
 }
+
+/// UNJ is UN with another root, and a nut that is clear of it. The root is an arc that touches both flanks:
+/// seen from the pitch line it goes to H/2 − R.
+#[test]
+fn unj_differs_at_the_root_and_at_the_crest_of_the_nut() {
+    for (size, tpi, series) in
+        [("1/4", 28.0, "F"), ("1/4", 20.0, "C"), ("1/2", 13.0, "C"), ("1", 12.0, "F"), ("#10", 32.0, "F")]
+    {
+        let of = |letter: &str, class: &str, member| {
+            side(&format!("{size}-{tpi} UN{letter}{series}-{class}"), member)
+        };
+        let [un, unj] = ["", "J"].map(|letter| of(letter, "3A", Side::External));
+        for size in [Size::MajorMax, Size::MajorMin, Size::PitchMax, Size::PitchMin] {
+            assert_eq!(un.get(size), unj.get(size));
+        }
+        let pitch = 25.4 / tpi;
+        let below = |of: Size, root: Size| 0.5 * (self::size(&unj, of) - self::size(&unj, root)) / pitch;
+        // The apex of the flanks is √3/4 of a pitch below the pitch line, and the arc ends R above it.
+        let apex = 0.75_f64.sqrt() / 2.0;
+        let [deep, shallow] = [below(Size::PitchMin, Size::MinorMin), below(Size::PitchMax, Size::MinorMax)];
+        let places = 0.0001 * tpi;
+        assert!(
+            (apex - deep - 0.15011).abs() < places && (apex - shallow - 0.18042).abs() < places,
+            "{deep} {shallow}"
+        );
+        let [un, unj] = ["", "J"].map(|letter| of(letter, "3B", Side::Internal));
+        for size in [Size::MajorMin, Size::PitchMax, Size::PitchMin] {
+            assert_eq!(un.get(size), unj.get(size));
+        }
+        // The crest of its nut does not meet the largest radius, and leaves less of the thread than UN.
+        let nut = self::size(&unj, Size::MinorMin);
+        let screw = side(&format!("{size}-{tpi} UNJ{series}-3A"), Side::External);
+        assert!(nut > self::size(&un, Size::MinorMin) && nut > self::size(&screw, Size::MinorMax));
+        assert!(unj.get(Size::MinorMax).is_none());
+    }
+}
+
+/// Both flanks of a buttress thread and its diameters belong together: the crest is 0.16316 p wide, and the
+/// nut is clear of the screw at both crests.
+#[test]
+fn buttress_sizes_follow_from_their_flanks() {
+    for (name, lower) in
+        [("2-4 BUTT", 45.0), ("2-4 PUSH-BUTT", 7.0), ("1-12 BUTT", 45.0), ("10-2.5 BUTT LH", 45.0)]
+    {
+        let thread: Thread = name.parse().expect("a buttress thread");
+        let profile = thread.profile();
+        assert_eq!(profile.flank_deg, if lower == 45.0 { [45.0, 7.0] } else { [7.0, 45.0] });
+        let p = profile.pitch_mm;
+        assert!((profile.triangle_mm() / p - 0.89064).abs() < 1e-5);
+        let tangents: f64 = profile.flank_deg.iter().map(|deg| libm::tan(deg.to_radians())).sum();
+        let crest = 0.5 * p - 0.5 * (profile.major_mm - profile.pitch_diameter_mm) * tangents;
+        assert!((crest / p - 0.16316).abs() < 1e-5, "{crest}");
+        let limits = thread.limits();
+        let (screw, nut) = (limits.external.expect("a screw"), limits.internal.expect("a nut"));
+        assert!(size(&screw, Size::MajorMax) < size(&nut, Size::MajorMin));
+        assert!(size(&screw, Size::MinorMax) < size(&nut, Size::MinorMin));
+        let allowance = size(&nut, Size::PitchMin) - size(&screw, Size::PitchMax);
+        let third = side(&format!("{}-3A", name.trim_end_matches(" LH")), Side::External);
+        assert!((allowance - tolerance(&third, Size::PitchMax, Size::PitchMin)).abs() < UM);
+        // Deepest and highest root of the screw lie apart as its flanks and its least radius allow.
+        assert!(size(&screw, Size::MinorMin) < size(&screw, Size::MinorMax));
+    }
+}

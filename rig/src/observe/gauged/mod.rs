@@ -48,6 +48,8 @@ const STATIONS: usize = 72;
 const LEAST: usize = 16;
 /// Passes that are cut again after a hold, or that begin late, take more turns than planned: so much room.
 const SPARE: f64 = 1.25;
+/// Angles between flanks that are one, degrees.
+const SAME_DEG: f64 = 1e-6;
 /// What the gauge does not know.
 const CREST: &str = "the crest is not judged: the diameter before the thread was not turned by the program";
 /// A thread is judged that is longer than this share of a turn: its last groove ends within the turn.
@@ -367,10 +369,14 @@ fn other_side(nominal: &Nominal) -> String {
     }
 }
 
-/// The edge of a tool; flanks as the thread has them and a sharp point where the machine file says nothing.
+/// The edge of a tool: of an angle that is that of both flanks of the thread it has these, as for a buttress
+/// thread, else half of it to either side; a sharp point and the flanks of the thread where the machine file
+/// says nothing.
 fn edge_of(machine: &Machine, number: u32, nominal: &Nominal) -> Edge {
     let tool = machine.tool(number);
-    let flank_deg = tool.and_then(|tool| tool.angle_deg).map_or(nominal.flank_deg, |deg| [0.5 * deg; 2]);
+    let both_deg: f64 = nominal.flank_deg.iter().sum();
+    let other = tool.and_then(|tool| tool.angle_deg).filter(|deg| (deg - both_deg).abs() > SAME_DEG);
+    let flank_deg = other.map_or(nominal.flank_deg, |deg| [0.5 * deg; 2]);
     let nose_mm = tool.and_then(|tool| tool.nose_mm).unwrap_or(0.0);
     match tool.and_then(|tool| tool.width_mm) {
         Some(width_mm) => Edge::of_width(flank_deg, width_mm, nose_mm),
