@@ -125,7 +125,7 @@ impl Fitted {
         let [middle, end] = [self.middle(), self.stays()].map(|k| self.knots.interval(k.max(1) - 1)[1]);
         let share = SHY * (1.0 - ((there - middle) / (end - middle)).clamp(0.0, 1.0));
         if share > 0.0 {
-            let point = self.knots.at(self.knots.holding(there), there, &self.controls)[0];
+            let point = self.knots.point(self.knots.holding(there), there, &self.controls);
             return core::array::from_fn(|i| share * (point[i] - line[i]));
         }
         [0.0; 3]

@@ -65,27 +65,32 @@ impl Knots {
         inner.partition_point(|t| *t <= u).clamp(1, self.intervals()) - 1
     }
 
-    /// Values of the basis of a degree at `u` in interval `k`; the first `degree` + 1 of the row.
-    fn basis(&self, k: usize, degree: usize, u: f64) -> Row {
-        let (t, i) = (&self.0, k + DEGREE);
-        let mut row = [0.0; DEGREE + 1];
-        row[0] = 1.0;
-        for d in 1..=degree {
-            let mut saved = 0.0;
+    /// Values of the bases of degrees 0 … 5 at `u` in interval `k`; of each the first degree + 1 of its row.
+    fn bases(&self, k: usize, u: f64) -> [Row; DEGREE + 1] {
+        let (t, i) = (&self.0[k..=k + 2 * DEGREE + 1], DEGREE);
+        let mut rows = [[0.0; DEGREE + 1]; DEGREE + 1];
+        rows[0][0] = 1.0;
+        for d in 1..=DEGREE {
+            let (lower, mut saved) = (rows[d - 1], 0.0);
             for r in 0..d {
                 let (after, before) = (t[i + r + 1] - u, u - t[i + 1 + r - d]);
-                let part = row[r] / (after + before);
-                row[r] = saved + after * part;
+                let part = lower[r] / (after + before);
+                rows[d][r] = saved + after * part;
                 saved = before * part;
             }
-            row[d] = saved;
+            rows[d][d] = saved;
         }
-        row
+        rows
     }
 
     /// By how much the control points of interval `k` count at `u` in it.
     pub(super) fn values(&self, k: usize, u: f64) -> Row {
-        self.basis(k, DEGREE, u)
+        self.bases(k, u)[DEGREE]
+    }
+
+    /// x at `u` in interval `k`.
+    pub(super) fn point(&self, k: usize, u: f64, controls: &[Vector]) -> Vector {
+        weighted(&self.values(k, u), &controls[k..=k + DEGREE])
     }
 
     /// What the next difference of neighbours is multiplied by: `degree` over the way that both share, up to
@@ -117,9 +122,9 @@ impl Knots {
 
     /// x and its derivatives 1 … 4 at `u` in interval `k`.
     pub(super) fn at(&self, k: usize, u: f64, controls: &[Vector]) -> [Vector; DEGREE] {
-        let mut points = self.of_interval(k, controls);
+        let (mut points, bases) = (self.of_interval(k, controls), self.bases(k, u));
         core::array::from_fn(|r| {
-            let sum = weighted(&self.basis(k, DEGREE - r, u)[..=DEGREE - r], &points[r..]);
+            let sum = weighted(&bases[DEGREE - r][..=DEGREE - r], &points[r..]);
             self.differ(k, r, &mut points);
             sum
         })

@@ -66,8 +66,9 @@ struct Place {
 pub(super) struct Tube {
     pub(super) knots: Knots,
     places: Vec<Place>,
-    /// ∫|x⁗|² as squares: interval, row, weight.
+    /// ∫|x⁗|² as squares: interval, row, weight; the matrix of their sum.
     bending: Vec<(usize, Row, f64)>,
+    stiffness: Vec<Row>,
 }
 
 impl Tube {
@@ -89,7 +90,10 @@ impl Tube {
             let mix = |sign: f64| core::array::from_fn(|m| a[m] + sign * b[m]);
             [(k, mix(1.0), h / 4.0), (k, mix(-1.0), h / 12.0)]
         });
-        Tube { places: (0..held.len()).map(place).collect(), bending: bending.collect(), knots }
+        let (places, bending) = ((0..held.len()).map(place).collect(), bending.collect::<Vec<_>>());
+        let mut stiffness = vec![[0.0; DEGREE + 1]; knots.controls()];
+        bending.iter().for_each(|(k, row, weight)| stiffen(&mut stiffness, *k, row, *weight));
+        Tube { knots, places, bending, stiffness }
     }
 
     /// Control points of a spline in the tube, the first of them as known; the first `given` of these stay,
@@ -112,8 +116,7 @@ impl Tube {
     /// The smoothest of the splines nearest to the lines, or so far off them, that lies in the tube.
     fn follow(&self, controls: &mut [Vector], free: &Range<usize>, guides: &[Vector]) -> Option<()> {
         NEAR.iter().find_map(|near| {
-            let mut system = System::new(controls.len());
-            self.bend(&mut system, controls);
+            let (mut system, _) = self.bent(controls);
             for (place, guide) in self.places.iter().zip(guides) {
                 let (off, weight) = (less(&place.off(controls), guide), near * place.weight);
                 system.add(place.interval, &place.row, weight, &off, weight);
@@ -126,26 +129,25 @@ impl Tube {
 
     /// Makes a spline in the tube smoother (M187).
     fn relax(&self, controls: &mut [Vector], free: &Range<usize>) -> Option<()> {
-        let mut walls = vec![Wall { nu: WALL[0], firm: 1.0 }; self.places.len()];
+        let mut walls = vec![Wall { nu: WALL[0], firm: 1.0, off: [0.0; 3] }; self.places.len()];
         let (mut before, mut share) = (f64::INFINITY, 0.0);
         for step in 0..STEPS[1] {
-            let mut system = System::new(controls.len());
-            let bent = self.bend(&mut system, controls);
+            let (mut system, bent) = self.bent(controls);
             if step >= STEPS[0] && share > 0.5 && bent > (1.0 - ENOUGH) * before {
                 break;
             }
-            for (place, wall) in self.places.iter().zip(&walls) {
-                let off = place.off(controls);
+            for (place, wall) in self.places.iter().zip(&mut walls) {
+                wall.off = place.off(controls);
                 let square = place.radius * place.radius;
-                let left = square - dot(&off, &off);
+                let left = square - dot(&wall.off, &wall.off);
                 let pull = 2.0 * wall.nu * place.weight * square / left;
                 let stiff = wall.firm * pull * (1.0 + 2.0 * (square - left) / left);
-                system.add(place.interval, &place.row, stiff, &off, pull);
+                system.add(place.interval, &place.row, stiff, &wall.off, pull);
             }
             let step = system.solved(free)?;
             (before, share) = (bent, 1.0);
             for (place, wall) in self.places.iter().zip(&mut walls) {
-                let own = SHY * to_wall(&place.off(controls), &place.way(&step, free), place.radius);
+                let own = SHY * to_wall(&wall.off, &place.sum(&step), place.radius);
                 wall.met_at(own);
                 share = own.min(share);
             }
@@ -154,15 +156,16 @@ impl Tube {
         Some(())
     }
 
-    /// Adds the bending to a system; it is ∫|x⁗|².
-    fn bend(&self, system: &mut System, controls: &[Vector]) -> f64 {
+    /// A system that holds the bending alone; ∫|x⁗|².
+    fn bent(&self, controls: &[Vector]) -> (System, f64) {
+        let mut system = System { columns: self.stiffness.clone(), sides: vec![[0.0; 3]; controls.len()] };
         let mut sum = 0.0;
         for (k, row, weight) in &self.bending {
-            let fourth = weighted(row, &controls[*k..]);
+            let fourth = weighted(row, &controls[*k..=k + DEGREE]);
             sum += weight * dot(&fourth, &fourth);
-            system.add(*k, row, *weight, &fourth, *weight);
+            system.pull(*k, row, &fourth, *weight);
         }
-        sum
+        (system, sum)
     }
 
     /// Whether the spline lies within the tube everywhere (M188).
@@ -179,40 +182,34 @@ impl Tube {
     }
 }
 
-/// ν and f at a place.
+/// ν and f at a place, and e there.
 #[derive(Clone, Copy)]
 struct Wall {
     nu: f64,
     firm: f64,
+    off: Vector,
 }
 
 impl Wall {
-    /// A step may take this share at the place.
+    /// A step may take this share at the place. Which of both it is nobody can foretell, so both are computed.
     fn met_at(&mut self, share: f64) {
-        if share < 1.0 {
-            self.firm *= (FIRMER / share).min(FIRMEST);
-        } else {
-            self.firm = (0.5 * self.firm).max(1.0);
-            self.nu = (FALLS * self.nu).max(WALL[1]);
-        }
+        let firmer = self.firm * (FIRMER / share).min(FIRMEST);
+        let (looser, lower) = ((0.5 * self.firm).max(1.0), (FALLS * self.nu).max(WALL[1]));
+        let met = share < 1.0;
+        self.firm = if met { firmer } else { looser };
+        self.nu = if met { self.nu } else { lower };
     }
 }
 
 impl Place {
-    /// e.
-    fn off(&self, controls: &[Vector]) -> Vector {
-        less(&weighted(&self.row, &controls[self.interval..]), &self.target)
+    /// Σ of control points, or of steps of them, as they count here.
+    fn sum(&self, controls: &[Vector]) -> Vector {
+        weighted(&self.row, &controls[self.interval..=self.interval + DEGREE])
     }
 
-    /// What a step of the free control points adds to e.
-    fn way(&self, step: &[Vector], free: &Range<usize>) -> Vector {
-        let mut sum = [0.0; 3];
-        for (m, share) in self.row.iter().enumerate() {
-            if let Some(step) = (self.interval + m).checked_sub(free.start).and_then(|j| step.get(j)) {
-                sum.iter_mut().zip(step).for_each(|(sum, step)| *sum += share * step);
-            }
-        }
-        sum
+    /// e.
+    fn off(&self, controls: &[Vector]) -> Vector {
+        less(&self.sum(controls), &self.target)
     }
 }
 
@@ -222,76 +219,80 @@ fn to_wall(off: &Vector, way: &Vector, radius: f64) -> f64 {
     let left = radius * radius - dot(off, off);
     // The larger root of a s² + 2 b s = left, in the form that does not cancel.
     let root = libm::sqrt(b * b + a * left);
-    if b > 0.0 {
-        left / (b + root)
-    } else if a > 0.0 {
-        (root - b) / a
-    } else {
-        f64::INFINITY
-    }
+    let (above, below) = if b > 0.0 { (left, b + root) } else { (root - b, a) };
+    let share = above / below;
+    if b > 0.0 || a > 0.0 { share } else { f64::INFINITY }
 }
 
 /// Goes a share of a step.
 fn go(controls: &mut [Vector], step: &[Vector], free: &Range<usize>, share: f64) {
-    for (control, step) in controls[free.clone()].iter_mut().zip(step) {
+    for (control, step) in controls[free.clone()].iter_mut().zip(&step[free.clone()]) {
         control.iter_mut().zip(step).for_each(|(control, step)| *control += share * step);
+    }
+}
+
+/// Adds a square of a row to a matrix.
+fn stiffen(columns: &mut [Row], k: usize, row: &Row, stiff: f64) {
+    let shares = row.map(|own| stiff * own);
+    for (b, column) in columns[k..=k + DEGREE].iter_mut().enumerate() {
+        for (own, share) in column.iter_mut().zip(&shares[b..]) {
+            *own += share * row[b];
+        }
     }
 }
 
 /// A symmetric band and a right side for each axis.
 struct System {
-    /// Diagonal, and what stands before it.
-    bands: Vec<[f64; DEGREE + 1]>,
+    /// The diagonal, and what stands below it.
+    columns: Vec<Row>,
     sides: Vec<Vector>,
 }
 
 impl System {
-    fn new(count: usize) -> System {
-        System { bands: vec![[0.0; DEGREE + 1]; count], sides: vec![[0.0; 3]; count] }
-    }
-
     /// A square of a row: how stiff it is, where it is off, how strongly it pulls back.
     fn add(&mut self, k: usize, row: &Row, stiff: f64, off: &Vector, pull: f64) {
-        for a in 0..=DEGREE {
-            let share = stiff * row[a];
-            for (b, other) in row.iter().enumerate().take(a + 1) {
-                self.bands[k + a][a - b] += share * other;
-            }
-            let share = pull * row[a];
-            self.sides[k + a].iter_mut().zip(off).for_each(|(side, off)| *side -= share * off);
+        stiffen(&mut self.columns, k, row, stiff);
+        self.pull(k, row, off, pull);
+    }
+
+    fn pull(&mut self, k: usize, row: &Row, off: &Vector, pull: f64) {
+        for (side, own) in self.sides[k..=k + DEGREE].iter_mut().zip(row) {
+            let share = pull * own;
+            side.iter_mut().zip(off).for_each(|(side, off)| *side -= share * off);
         }
     }
 
-    /// The step of the free unknowns, by Cholesky; none where the matrix is not positive.
+    /// The step of the free unknowns, by Cholesky, and 0 of the others; none where the matrix is not
+    /// positive.
     fn solved(mut self, free: &Range<usize>) -> Option<Vec<Vector>> {
         for k in free.clone() {
-            let most = DEGREE.min(k - free.start);
-            for m in (0..=most).rev() {
-                let mut sum = self.bands[k][m];
-                for l in m + 1..=most {
-                    sum -= self.bands[k][l] * self.bands[k - m][l - m];
-                }
-                self.bands[k][m] = if m == 0 { libm::sqrt(sum) } else { sum / self.bands[k - m][0] };
+            let mut column = self.columns[k];
+            let mut side = self.sides[k];
+            for m in 1..=DEGREE.min(k - free.start) {
+                let (before, known) = (&self.columns[k - m], self.sides[k - m]);
+                let share = before[m];
+                column.iter_mut().zip(&before[m..]).for_each(|(own, below)| *own -= share * below);
+                side.iter_mut().zip(known).for_each(|(side, known)| *side -= share * known);
             }
+            let pivot = libm::sqrt(column[0]);
             // No number where the matrix is not positive.
-            if self.bands[k][0].is_nan() || self.bands[k][0] == 0.0 {
+            if pivot.is_nan() || pivot == 0.0 {
                 return None;
             }
-            for m in 1..=most {
-                let (share, known) = (self.bands[k][m], self.sides[k - m]);
-                self.sides[k].iter_mut().zip(known).for_each(|(side, known)| *side -= share * known);
-            }
-            let pivot = self.bands[k][0];
-            self.sides[k].iter_mut().for_each(|side| *side /= pivot);
+            column[0] = pivot;
+            column[1..].iter_mut().for_each(|own| *own /= pivot);
+            (self.columns[k], self.sides[k]) = (column, side.map(|side| side / pivot));
         }
         for k in free.clone().rev() {
+            let (column, mut side) = (&self.columns[k], self.sides[k]);
             for m in (1..=DEGREE).take_while(|m| k + m < free.end) {
-                let (share, known) = (self.bands[k + m][m], self.sides[k + m]);
-                self.sides[k].iter_mut().zip(known).for_each(|(side, known)| *side -= share * known);
+                let known = self.sides[k + m];
+                side.iter_mut().zip(known).for_each(|(side, known)| *side -= column[m] * known);
             }
-            let pivot = self.bands[k][0];
-            self.sides[k].iter_mut().for_each(|side| *side /= pivot);
+            self.sides[k] = side.map(|side| side / column[0]);
         }
-        Some(self.sides[free.clone()].to_vec())
+        self.sides[..free.start].fill([0.0; 3]);
+        self.sides[free.end..].fill([0.0; 3]);
+        Some(self.sides)
     }
 }
