@@ -63,8 +63,7 @@ pub(crate) struct Bend<const N: usize>(pub(super) [[f64; N]; 4]);
 impl<const N: usize> Bend<N> {
     /// Of a path by itself.
     pub(crate) fn of(path: &Path<N>) -> Bend<N> {
-        let [second, third, fourth] = path.bend();
-        Bend([path.shares(), second, third, fourth])
+        Bend(path.most())
     }
 
     /// With what a blend adds; `other` are the shares on the far side of its junction.

@@ -49,28 +49,43 @@ impl Hull {
 
     /// A bound of the magnitude.
     pub(super) fn most(&self) -> f64 {
-        self.most_within(HALVINGS)
+        self.most_or(0.0, HALVINGS)
     }
 
     /// Bounds of the value: reached within `tolerance`, unless it turns back more often than it can be
     /// halved.
     pub(super) fn range(&self, tolerance: f64, halvings: u32) -> [f64; 2] {
-        let ([low, high], [least, most]) = (self.ends(), self.hull());
-        if halvings == 0 || low - least <= tolerance && most - high <= tolerance {
-            return [least, most];
-        }
-        let [first, second] = self.halves().map(|half| half.range(tolerance, halvings - 1));
-        [first[0].min(second[0]), first[1].max(second[1])]
+        self.range_or([f64::INFINITY, f64::NEG_INFINITY], tolerance, halvings)
     }
 
-    fn most_within(&self, halvings: u32) -> f64 {
+    /// The wider of such bounds and those of the parts before: what lies within these is not looked at.
+    fn range_or(&self, before: [f64; 2], tolerance: f64, halvings: u32) -> [f64; 2] {
+        let ([low, high], [least, most]) = (self.ends(), self.hull());
+        if before[0] <= least && most <= before[1] {
+            return before;
+        }
+        if halvings == 0 || low - least <= tolerance && most - high <= tolerance {
+            return [least.min(before[0]), most.max(before[1])];
+        }
+        self.halves().iter().fold(before, |before, half| half.range_or(before, tolerance, halvings - 1))
+    }
+
+    /// The larger of such a bound and that of the parts before.
+    fn most_or(&self, before: f64, halvings: u32) -> f64 {
         let magnitude = |[low, high]: [f64; 2]| high.max(-low);
-        let (reached, bound) = (magnitude(self.ends()), magnitude(self.hull()));
-        if halvings == 0 || bound <= reached * (1.0 + TIGHT) {
+        let bound = magnitude(self.hull());
+        if bound <= before {
+            return before;
+        }
+        if halvings == 0 || bound <= magnitude(self.ends()) * (1.0 + TIGHT) {
             return bound;
         }
-        let [first, second] = self.halves().map(|half| half.most_within(halvings - 1));
-        first.max(second)
+        let mut halves = self.halves();
+        // The half with the larger bound first: most of the time it covers the other one.
+        if magnitude(halves[0].hull()) < magnitude(halves[1].hull()) {
+            halves.reverse();
+        }
+        halves.iter().fold(before, |before, half| half.most_or(before, halvings - 1))
     }
 
     fn used(&self) -> &[f64] {

@@ -172,7 +172,7 @@ impl<const N: usize> Path<N> {
         match &self.shape {
             Shape::Line { direction } => direction.map(f64::abs),
             Shape::Arc(arc) => arc.shares(),
-            Shape::Piece(piece) => piece.most(1, self.length),
+            Shape::Piece(piece) => piece.most(self.length)[0],
         }
     }
 
@@ -182,8 +182,20 @@ impl<const N: usize> Path<N> {
         match &self.shape {
             Shape::Line { .. } => [[0.0; N]; 3],
             Shape::Arc(arc) => arc.bend(),
-            Shape::Piece(piece) => [2, 3, 4].map(|n| piece.most(n, self.length)),
+            Shape::Piece(piece) => {
+                let [_, bend @ ..] = piece.most(self.length);
+                bend
+            }
         }
+    }
+
+    /// Bounds of |p₁| … |p₄|: [`Path::shares`] and [`Path::bend`] at once.
+    pub(crate) fn most(&self) -> [[f64; N]; 4] {
+        if let Shape::Piece(piece) = &self.shape {
+            return piece.most(self.length);
+        }
+        let [second, third, fourth] = self.bend();
+        [self.shares(), second, third, fourth]
     }
 
     /// Whether it is a straight line.

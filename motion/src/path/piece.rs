@@ -81,15 +81,17 @@ impl<const N: usize> Piece<N> {
         p
     }
 
-    /// A bound of |pₙ| of every axis (M85).
-    pub(super) fn most(&self, n: u32, length: f64) -> [f64; N] {
-        self.0.map(|points| {
-            if !moves(&points) {
-                return 0.0;
+    /// Bounds of |p₁| … |p₄| of every axis (M85).
+    pub(super) fn most(&self, length: f64) -> [[f64; N]; 4] {
+        let mut most = [[0.0; N]; 4];
+        for (i, points) in self.0.iter().enumerate().filter(|(_, points)| moves(points)) {
+            let mut hull = Hull::new(*points);
+            for (n, most) in most.iter_mut().enumerate() {
+                hull = hull.derivative();
+                most[i] = (0..=n).fold(hull.most(), |most, _| most / length);
             }
-            let derivative = (0..n).fold(Hull::new(points), |hull, _| hull.derivative());
-            (0..n).fold(derivative.most(), |most, _| most / length)
-        })
+        }
+        most
     }
 
     /// As `Path::bounds`.
