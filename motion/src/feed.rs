@@ -125,17 +125,25 @@ impl FeedBlock {
     /// `f_end`; [`Unreachable::Input`] if a value is negative or not finite, a limit not positive, `f` zero,
     /// or an entry or exit feed above `f` or `limits.v`.
     pub fn plan(length: f64, f0: f64, f: f64, f_end: f64, limits: &Limits) -> Result<FeedBlock, Unreachable> {
-        let f = f.min(limits.v);
-        check(length, f0, f, f_end, limits)?;
-        let (low, high) = (f0.min(f_end), f0.max(f_end));
-        let step = high - low;
-        if joining(low, step, limits) > length * (1.0 + JUNCTION_SLACK) {
-            let feed = reachable_feed(low, high, length, limits);
-            return Err(if f_end > f0 {
+        check(length, f0, f.min(limits.v), f_end, limits)?;
+        FeedBlock::fitting(length, f0, f, f_end, limits).ok_or_else(|| {
+            let feed = reachable_feed(f0.min(f_end), f0.max(f_end), length, limits);
+            if f_end > f0 {
                 Unreachable::EndFeed { reachable: feed }
             } else {
                 Unreachable::StartFeed { admissible: feed }
-            });
+            }
+        })
+    }
+
+    /// The same for who does not ask why there is none.
+    pub(crate) fn fitting(length: f64, f0: f64, f: f64, f_end: f64, limits: &Limits) -> Option<FeedBlock> {
+        let f = f.min(limits.v);
+        check(length, f0, f, f_end, limits).ok()?;
+        let (low, high) = (f0.min(f_end), f0.max(f_end));
+        let step = high - low;
+        if joining(low, step, limits) > length * (1.0 + JUNCTION_SLACK) {
+            return None;
         }
         let way = |e: f64| joining(high, e, limits) + joining(low, step + e, limits);
         // Below 1e-240 the way underflows: a block without length would seem to fit a change of feed.
@@ -155,7 +163,7 @@ impl FeedBlock {
         let rest = (length - way(e)).max(0.0);
         let cruise = if rest > 0.0 { rest / peak_feed } else { 0.0 };
         let duration = accel.duration() + cruise + decel.duration();
-        Ok(FeedBlock { length, f0, f_end, peak_feed, reaches_feed, accel, decel, cruise, duration })
+        Some(FeedBlock { length, f0, f_end, peak_feed, reaches_feed, accel, decel, cruise, duration })
     }
 
     /// Sample `t` seconds after the entry: exactly 0 at entry feed for `t` ≤ 0, exactly the length at exit

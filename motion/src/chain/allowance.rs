@@ -187,7 +187,7 @@ impl Allowance {
         let (length, end, Quickest { limits, block, .. }) = best?;
         let block = match block {
             Some(block) => block,
-            None => FeedBlock::plan(length, start, cap, end, &limits).ok()?,
+            None => FeedBlock::fitting(length, start, cap, end, &limits)?,
         };
         Some((block, limits))
     }
@@ -205,7 +205,7 @@ impl Allowance {
             let now = if fits {
                 Quickest { time: rise + fall + (length - up - down) / peak, peak, limits, block: None }
             } else {
-                let Ok(block) = FeedBlock::plan(length, start, cap, end, &limits) else { break };
+                let Some(block) = FeedBlock::fitting(length, start, cap, end, &limits) else { break };
                 Quickest { time: block.duration(), peak: block.peak_feed(), limits, block: Some(block) }
             };
             if best.as_ref().is_some_and(|best| best.time <= now.time) {

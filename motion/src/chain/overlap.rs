@@ -190,7 +190,12 @@ impl<const N: usize> Tip<N> {
             let [d, e] = self.directions.map(|direction| direction[i].abs());
             core::array::from_fn(|n| d * between[0][n] + e * between[1][n])
         });
-        let look = Look { directions: &self.directions, ramps, time, spare, between };
+        let stands = |i: usize| {
+            let spare: &[f64; 4] = &spare[i];
+            self.directions.iter().all(|way| way[i] == 0.0) && spare.iter().all(|spare| *spare >= 0.0)
+        };
+        let stands = core::array::from_fn(stands);
+        let look = Look { directions: &self.directions, ramps, time, spare, between, stands };
         let mut sums = look.at(0.0);
         (1..=STEPS).all(|k| {
             let q = step * f64::from(k);
@@ -212,12 +217,17 @@ struct Look<'a, const N: usize> {
     spare: Sums<N>,
     /// h²/8 max |f″| for a whole step.
     between: Sums<N>,
+    /// Axes that do not move, and need not be looked at.
+    stands: [bool; N],
 }
 
 impl<const N: usize> Look<'_, N> {
     fn at(&self, q: f64) -> Sums<N> {
         let (r, w) = (self.ramps[0].at(self.time - q), self.ramps[1].at(q));
         core::array::from_fn(|i| {
+            if self.stands[i] {
+                return [0.0; 4];
+            }
             let [d, e] = self.directions.map(|direction| direction[i]);
             [d * r.v + e * w.v, e * w.a - d * r.a, d * r.j + e * w.j, e * w.dj - d * r.dj]
         })
@@ -228,6 +238,9 @@ impl<const N: usize> Look<'_, N> {
         let share = 0.25_f64.powi(halvings as i32);
         let mut sure = true;
         for (i, (spare, between)) in self.spare.iter().zip(&self.between).enumerate() {
+            if self.stands[i] {
+                continue;
+            }
             for n in 0..4 {
                 let most = sums[0][i][n].abs().max(sums[1][i][n].abs());
                 if most > spare[n] {
