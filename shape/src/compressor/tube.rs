@@ -129,25 +129,26 @@ impl Tube {
 
     /// Makes a spline in the tube smoother (M187).
     fn relax(&self, controls: &mut [Vector], free: &Range<usize>) -> Option<()> {
-        let mut walls = vec![Wall { nu: WALL[0], firm: 1.0, off: [0.0; 3] }; self.places.len()];
+        let wall = Wall { nu: WALL[0], firm: 1.0, off: [0.0; 3], way: [0.0; 3], pull: 0.0, stiff: 0.0 };
+        let mut walls = vec![wall; self.places.len()];
         let (mut before, mut share) = (f64::INFINITY, 0.0);
         for step in 0..STEPS[1] {
             let (mut system, bent) = self.bent(controls);
             if step >= STEPS[0] && share > 0.5 && bent > (1.0 - ENOUGH) * before {
                 break;
             }
-            for (place, wall) in self.places.iter().zip(&mut walls) {
-                wall.off = place.off(controls);
-                let square = place.radius * place.radius;
-                let left = square - dot(&wall.off, &wall.off);
-                let pull = 2.0 * wall.nu * place.weight * square / left;
-                let stiff = wall.firm * pull * (1.0 + 2.0 * (square - left) / left);
-                system.add(place.interval, &place.row, stiff, &wall.off, pull);
+            // One loop for each, so that places do not wait for the divisions of those before them.
+            let places = || self.places.iter();
+            places().zip(&mut walls).for_each(|(place, wall)| wall.off = place.off(controls));
+            places().zip(&mut walls).for_each(|(place, wall)| wall.pulls(place));
+            for (place, wall) in places().zip(&walls) {
+                system.add(place.interval, &place.row, wall.stiff, &wall.off, wall.pull);
             }
             let step = system.solved(free)?;
             (before, share) = (bent, 1.0);
-            for (place, wall) in self.places.iter().zip(&mut walls) {
-                let own = SHY * to_wall(&wall.off, &place.sum(&step), place.radius);
+            places().zip(&mut walls).for_each(|(place, wall)| wall.way = place.sum(&step));
+            for (place, wall) in places().zip(&mut walls) {
+                let own = SHY * to_wall(&wall.off, &wall.way, place.radius);
                 wall.met_at(own);
                 share = own.min(share);
             }
@@ -182,16 +183,26 @@ impl Tube {
     }
 }
 
-/// ν and f at a place, and e there.
+/// ν and f at a place, e there and what a step adds to it; how strongly it pulls back, and how stiff it is.
 #[derive(Clone, Copy)]
 struct Wall {
     nu: f64,
     firm: f64,
     off: Vector,
+    way: Vector,
+    pull: f64,
+    stiff: f64,
 }
 
 impl Wall {
-    /// A step may take this share at the place. Which of both it is nobody can foretell, so both are computed.
+    fn pulls(&mut self, place: &Place) {
+        let square = place.radius * place.radius;
+        let left = square - dot(&self.off, &self.off);
+        self.pull = 2.0 * self.nu * place.weight * square / left;
+        self.stiff = self.firm * self.pull * (1.0 + 2.0 * (square - left) / left);
+    }
+
+    /// A step may take this share at the place. Nobody can foretell which of both it is: both are computed.
     fn met_at(&mut self, share: f64) {
         let firmer = self.firm * (FIRMER / share).min(FIRMEST);
         let (looser, lower) = ((0.5 * self.firm).max(1.0), (FALLS * self.nu).max(WALL[1]));
@@ -265,13 +276,13 @@ impl System {
     /// The step of the free unknowns, by Cholesky, and 0 of the others; none where the matrix is not
     /// positive.
     fn solved(mut self, free: &Range<usize>) -> Option<Vec<Vector>> {
+        // What a column takes off each of those behind it.
+        let mut taken = vec![[[0.0; DEGREE + 1]; DEGREE + 1]; self.columns.len()];
         for k in free.clone() {
-            let mut column = self.columns[k];
-            let mut side = self.sides[k];
+            let (mut column, mut side) = (self.columns[k], self.sides[k]);
             for m in 1..=DEGREE.min(k - free.start) {
-                let (before, known) = (&self.columns[k - m], self.sides[k - m]);
-                let share = before[m];
-                column.iter_mut().zip(&before[m..]).for_each(|(own, below)| *own -= share * below);
+                let (share, known) = (self.columns[k - m][m], self.sides[k - m]);
+                column.iter_mut().zip(&taken[k - m][m]).for_each(|(own, taken)| *own -= taken);
                 side.iter_mut().zip(known).for_each(|(side, known)| *side -= share * known);
             }
             let pivot = libm::sqrt(column[0]);
@@ -281,6 +292,11 @@ impl System {
             }
             column[0] = pivot;
             column[1..].iter_mut().for_each(|own| *own /= pivot);
+            for m in 1..=DEGREE {
+                for n in m..=DEGREE {
+                    taken[k][m][n - m] = column[m] * column[n];
+                }
+            }
             (self.columns[k], self.sides[k]) = (column, side.map(|side| side / pivot));
         }
         for k in free.clone().rev() {
