@@ -9,7 +9,9 @@
 //! ```text
 //! e = p − c,   contour error = |e − (e·v) v/v²|          what a run says of the motors, here of the slides
 //! ```
-//! Faster motion errs more, so the feed is lowered until the time that is foretold is that of before.
+//! Faster motion errs more, so it is slowed down until the time that is foretold is that of before, in either
+//! of two ways: by the feed alone, so that straights are slower and bends are not; or all of it alike, as a
+//! machine with lower limits would: speed by x, acceleration by x², jerk by x³, its rate by x⁴.
 
 use machine::Machine;
 use protocol::Axis;
@@ -111,6 +113,47 @@ impl Seen {
     }
 }
 
+/// How a contour is slowed down to a share of its speed.
+#[derive(Clone, Copy)]
+enum Slowed {
+    /// By the programmed feed.
+    Feed,
+    /// By the feed and all limits of the machine.
+    All,
+}
+
+impl Slowed {
+    /// The machine, and the feed, mm/min.
+    fn to(self, share: f64, machine: &Machine) -> (Machine, f64) {
+        let mut machine = machine.clone();
+        if let Slowed::All = self {
+            machine.axis.values_mut().for_each(|axis| {
+                axis.velocity_mm_s *= share;
+                axis.acceleration_mm_s2 *= share.powi(2);
+                axis.jerk_mm_s3 *= share.powi(3);
+                axis.jerk_rate_mm_s4 *= share.powi(4);
+            });
+        }
+        (machine, share * FEED_MM_MIN)
+    }
+
+    /// The share at which points take so long, and how long they take; all of it where they take as long then
+    /// or longer.
+    fn share_of(self, points: &[Point], seconds: f64, machine: &Machine) -> (f64, f64) {
+        let (mut low, mut high, mut share) = (0.02, 1.0, 1.0_f64);
+        loop {
+            let (slowed, feed) = self.to(share, machine);
+            let takes = time(&slowed, points, "P0.01", 5, feed);
+            let same = (takes / seconds - 1.0).abs() < SAME;
+            if same || high / low < 1.0 + 1e-5 || share == 1.0 && takes > seconds {
+                return (share, takes);
+            }
+            *if takes < seconds { &mut high } else { &mut low } = share;
+            share = (low * high).sqrt();
+        }
+    }
+}
+
 /// Runs points at a feed with as many seeds.
 fn seen(points: &[Point], feed_mm_min: f64, machine: &Machine, seeds: u64) -> Seen {
     let check = interpreter::check("contour.ngc", &program(points, "P0.01", 5, feed_mm_min), machine);
@@ -123,47 +166,34 @@ fn seen(points: &[Point], feed_mm_min: f64, machine: &Machine, seeds: u64) -> Se
     seen
 }
 
-/// The feed at which points take so long; 6 m/min where they take as long then or longer.
-fn feed_of(points: &[Point], seconds: f64, machine: &Machine) -> f64 {
-    let (mut low, mut high) = (FEED_MM_MIN / 50.0, FEED_MM_MIN);
-    let mut feed = high;
-    loop {
-        let takes = time(machine, points, "P0.01", 5, feed);
-        if (takes / seconds - 1.0).abs() < SAME
-            || high - low < 0.1
-            || (feed == FEED_MM_MIN && takes > seconds)
-        {
-            return feed;
-        }
-        if takes < seconds {
-            high = feed
-        } else {
-            low = feed
-        }
-        feed = (low * high).sqrt();
+/// A controller that is told the modes of its slides (M131), which this mill takes to be rigid.
+fn told(machine: &Machine) -> Machine {
+    let mut machine = machine.clone();
+    for (axis, config) in &mut machine.axis {
+        config.mode_hz = machine.plant["axis"][&format!("{axis:?}").to_lowercase()]["mode_hz"].as_float();
     }
+    machine
 }
 
 /// Prints for each contour what is now beside what was before.
 pub(crate) fn beside(seeds: u64, contours: &[(&str, Vec<Point>)], machine: &Machine) {
     println!(
-        "{:<20} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}   before: s, max, rms, off",
+        "{:<20} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
         "contour", "F", "s", "max, um", "rms, um", "off, um", "moved, s"
     );
-    for ((name, points), before) in contours.iter().zip(BEFORE) {
-        let feed = feed_of(points, before[0], machine);
-        let seen = seen(points, feed, machine, seeds);
-        let moved_s = seen.cycles as f64 * machine.general.cycle_s / seeds as f64;
-        println!(
-            "{name:<20} {feed:>8.0} {:>8.2} {:>8.2} {:>8.2} {:>8.2} {moved_s:>8.2}   {:.2} {:.2} {:.2} {:.2}",
-            time(machine, points, "P0.01", 5, feed),
-            1e3 * seen.max_mm,
-            1e3 * (seen.squares / seen.cycles as f64).sqrt(),
-            1e3 * seen.off_mm,
-            before[0],
-            before[1],
-            before[2],
-            before[3]
-        );
+    let told = told(machine);
+    let ways =
+        [("by feed", Slowed::Feed, machine), ("all", Slowed::All, machine), ("told", Slowed::Feed, &told)];
+    for ((name, points), [s, max, rms, off]) in contours.iter().zip(BEFORE) {
+        println!("{name:<20} {:>8} {s:>8.2} {max:>8.2} {rms:>8.2} {off:>8.2}", "before");
+        for (what, slowed, machine) in ways {
+            let (share, s) = slowed.share_of(points, s, machine);
+            let (slowed, feed) = slowed.to(share, machine);
+            let seen = seen(points, feed, &slowed, seeds);
+            let moved_s = seen.cycles as f64 * machine.general.cycle_s / seeds as f64;
+            let [max, off] = [seen.max_mm, seen.off_mm].map(|mm| 1e3 * mm);
+            let rms = 1e3 * (seen.squares / seen.cycles as f64).sqrt();
+            println!("  {what:<18} {feed:>8.0} {s:>8.2} {max:>8.2} {rms:>8.2} {off:>8.2} {moved_s:>8.2}");
+        }
     }
 }
