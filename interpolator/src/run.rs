@@ -93,7 +93,8 @@ impl Run {
 
     /// How many of them have begun at the end of a step.
     pub(crate) fn begun(&self, step: &Step<AXES, Move>) -> u64 {
-        self.completed + u64::from(!self.is_over() && step.along.s > BEGUN_MM)
+        let left = u64::from(step.last.is_some());
+        self.completed + left + u64::from(!self.is_over() && step.along.s > BEGUN_MM)
     }
 
     /// Forgets what is left. The machine stands.

@@ -239,7 +239,8 @@ impl Travel {
         if self.run.is_over() || last && self.run.rests() {
             self.arrive(panel, &mut moved);
         }
-        (setpoints, moved, (!stops_single).then_some(step.tag.line))
+        let line = step.last.unwrap_or(step.tag).line;
+        (setpoints, moved, (!stops_single).then_some(line))
     }
 
     /// What a step completed.

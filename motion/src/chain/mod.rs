@@ -107,6 +107,8 @@ pub struct Step<const N: usize, T> {
     pub along: Sample,
     /// The block in which the chain is.
     pub tag: T,
+    /// The block before, as long as its law has not come to its end (M194): it is not completed.
+    pub last: Option<T>,
     /// Blocks completed in this cycle.
     pub completed: u32,
     /// It ran out of blocks and stops at the end of what it knows, although more were to come.
@@ -191,7 +193,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// Blocks that are not completed.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.pieces.len()
+        self.pieces.len() + usize::from(self.tail.is_some())
     }
 
     /// Whether a block can be appended now: there is room, and the chain has not been closed.
@@ -252,18 +254,21 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         let waits = self.rests() && !ask.more && !ask.hold;
         self.quiet = if waits { self.quiet.saturating_add(1) } else { 0 };
         self.steer(ask);
+        self.drop_tail();
         let sample = self.law.at(self.t);
         let s = self.place(sample.s);
         let front = self.pieces.front()?;
         let along = Sample { s, ..sample };
         let mut axes = self.pieces.follow(&along);
-        if let Some(led) = self.led() {
+        let last = self.led().map(|(tag, led)| {
             axes.iter_mut().zip(led).for_each(|(axis, led)| *axis = *axis + led);
-        }
+            tag
+        });
         let step = Step {
             axes,
             along,
             tag: front.block.tag,
+            last,
             completed: self.completed,
             starved: self.starved,
             rejected: self.rejected,

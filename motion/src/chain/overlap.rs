@@ -82,18 +82,22 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.leave(last.length());
         (self.law, self.t) = (Law::Rest, 0.0);
         self.place(0.0);
+        // The block that is left is completed when its law has come to its end.
+        self.completed -= 1;
         self.begin(next, self.cap(ask));
         self.tail = Some(Tail { law: last, time });
     }
 
-    /// Forgets the law before when it has come to its end.
+    /// Forgets the law before when it has come to its end: that completes its block.
     pub(super) fn drop_tail(&mut self) {
-        self.tail = self.tail.filter(|tail| self.t < tail.time);
+        if self.tail.take_if(|tail| self.t >= tail.time).is_some() {
+            self.completed += 1;
+        }
     }
 
-    /// Where the end of the law before still leads the axes, from where it ends.
-    pub(super) fn led(&self) -> Option<[Sample; N]> {
-        let tail = self.tail.filter(|tail| self.t < tail.time)?;
+    /// Where the end of the law before still leads the axes, from where it ends; the block of it.
+    pub(super) fn led(&self) -> Option<(T, [Sample; N])> {
+        let tail = self.tail?;
         let k = self.pieces.left_last()?;
         let Sample { s, v, a, j, dj } = tail.law.decel().at(tail.time - self.t);
         let piece = &self.pieces.ring[k];
@@ -102,7 +106,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         let end = piece.block.path.at(length)[0];
         let mut axes = piece.block.path.follow(&along);
         axes.iter_mut().zip(end).for_each(|(axis, end)| axis.s -= end);
-        Some(axes)
+        Some((piece.block.tag, axes))
     }
 }
 

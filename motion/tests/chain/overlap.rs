@@ -49,6 +49,10 @@ fn overlaps(blocks: &[Line], path: &Rounded) -> (Vec<u64>, u64) {
     let (mut first, mut before) = (Vec::new(), false);
     while tick(&mut stand, path, &ask()) {
         let now = led(&stand, path) > 1e-9;
+        let step = stand.last.as_ref().expect("a tick").step;
+        // Its law leads the axes yet, so the block before is not completed.
+        let last = step.last.map(|block| block.number + 1);
+        assert!(last.is_none_or(|next| next == step.tag.number) && now <= last.is_some(), "{step:?}");
         if now && !before {
             first.push(stand.ticks());
         }

@@ -32,7 +32,8 @@ pub(super) fn is_above(begin: &Modal, steps: &[Step], here: &PerAxis<Position>) 
     begin.top.mm_from(here[Z]) < ON_MM || steps.iter().any(|step| is_over(step, here))
 }
 
-/// A plan, and whether the tool stands on the first move that is not done.
+/// A plan, and whether the tool stands on the first move that is not done, or on none: nobody knows then that
+/// this one is done.
 pub(super) fn over_the_part(front: Front, here: &PerAxis<Position>) -> Result<(Plan, bool), Refusal> {
     let Front { mut begin, mut steps, first, stood, last } = front;
     if let Some(line) = in_hole(&steps[last..], stood.is_some(), here) {
@@ -53,7 +54,7 @@ pub(super) fn over_the_part(front: Front, here: &PerAxis<Position>) -> Result<(P
     let line = steps.first().map_or(line, |step| step.0.line);
     let before = before(&begin, &way, &[], true, line);
     let plan = Plan { before, lifts: true, ..Plan::new(begin, &steps, stands, way) };
-    Ok((plan, first == last && stood.is_some()))
+    Ok((plan, first == last || stood.is_none()))
 }
 
 /// The moves of another tool, from where the way of the one before leads down to its place.

@@ -142,7 +142,8 @@ impl Programmed {
     }
 }
 
-/// A run cut behind a cycle: what the journal knows, the machine that is switched on again.
+/// A run cut behind a cycle, in which something is written, so many records of the journal are lost: what it
+/// knows, the machine that is switched on again.
 fn cut(
     machine: &Machine,
     items: &[Item],
@@ -158,6 +159,7 @@ fn cut(
             written.extend(keeper.cycle(record));
         });
     }
+    written.extend(keeper.last());
     let mut plant = rig.lose_power(|_| {});
     plant.switch_on(Scenario::none()).expect("the same machine");
     (written[(written.len() - 1).saturating_sub(lost as usize)], plant)
@@ -261,6 +263,34 @@ fn a_mill_that_is_cut_in_any_cycle_finishes_its_part_and_nothing_else() {
     }
     println!("on a rapid, on a contour, over the part, at rest: {stood:?}; {most_mm:.4} mm off at most");
     assert!(stood[1] > 2, "{stood:?}");
+}
+
+/// At a corner the next move begins before the last one has come to its end, of which up to 0.25 mm is uncut
+/// then. It is cut in every cycle from before to behind two of them.
+#[test]
+fn a_mill_that_is_cut_while_two_moves_overlap_leaves_nothing_between_them() {
+    let text = |path: &str| {
+        format!("G17 G21 G90 G94 {path}\nG0 X-2\nG1 Z-0.2 F900\nG1 X0 F3000\nG1 Y2\nG1 X2 Y1\nM2\n")
+    };
+    let mut machine = mill();
+    machine.axis.get_mut(&Axis::Z).expect("a mill has Z").home_mm = 0.5;
+    let work = Work::new(machine, text);
+    let (mut near, mut both, mut cycle) = (Vec::new(), 0, 0);
+    cut(&work.machine, &work.items, [1, work.cycles, 0], |record| {
+        cycle += 1;
+        let [x, y, z] = slides(record);
+        let away = |tip_y: f64| libm::hypot(x, y - tip_y);
+        if z < 0.0 && (away(0.0) < 0.26 || away(2.0) < 0.26) {
+            near.push(cycle);
+        }
+        both += u64::from(z < 0.0 && x < -0.004 && y > 0.001);
+    });
+    assert!(
+        near.len() > 100 && both > 5,
+        "{} cycles at the corners, {both} in which both axes move",
+        near.len()
+    );
+    near.into_iter().for_each(|at| _ = work.finished(at, 0));
 }
 
 /// Home is beside the part and lower than its top: the way over the part is as high as the program has led
