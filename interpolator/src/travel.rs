@@ -22,8 +22,8 @@ use crate::{
     working::Working,
 };
 
-/// Most moves that one tick takes into the run: more than the run can leave behind in a tick, which is 16. Where
-/// a run fills they are most of what a tick costs.
+/// Most moves that one tick takes into the run: more than the run can leave behind in a tick, which is 16.
+/// Where a run fills they are most of what a tick costs.
 const MOVES_PER_TICK: usize = 18;
 
 /// Share by which the spindle's speed must change before the feed per revolution follows: its ripple and the
