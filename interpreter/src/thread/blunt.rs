@@ -65,8 +65,9 @@ impl Blunt {
         let (word, rest) = text.split_at(text.find(ends).unwrap_or(text.len()));
         let told = rest.trim_start().strip_prefix(',');
         if !word.eq_ignore_ascii_case(WORD) {
-            let alike = ["blunt-start", "bluntstart", "blunt", "higbee"];
-            let says = told.is_some() && alike.iter().any(|other| word.eq_ignore_ascii_case(other));
+            let alike = [WORD, "bluntstart", "blunt", "higbee"];
+            let joined = word.replace('-', "_");
+            let says = told.is_some() && alike.iter().any(|other| joined.eq_ignore_ascii_case(other));
             return if says {
                 wrong(format!("{word:?} is no word that asks for a blunt start"))
             } else {
