@@ -27,7 +27,7 @@ fn text(name: &str) -> String {
 }
 
 /// Every example that cuts a thread and needs nothing besides; the bolt of the first hour has its page.
-const THREADS: [&str; 18] = [
+const THREADS: [&str; 19] = [
     "m20x2.ngc",
     "internal-m30.ngc",
     "varied.ngc",
@@ -37,6 +37,7 @@ const THREADS: [&str; 18] = [
     "blunt-start.ngc",
     "scroll.ngc",
     "tap-m8.ngc",
+    "tap-npt.ngc",
     "worm-left.ngc",
     "fanuc/shaft-m24.nc",
     "fanuc/taper-g32.nc",
@@ -92,6 +93,8 @@ fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
         ("tap-m8.ngc", ["K1.25", "K1.26"], "NO-GO goes in"),
         ("fanuc/tap-peck.nc", ["F1.25 Q6.", "F1.26 Q6."], "NO-GO goes in"),
         ("tap-m8.ngc", ["G0 X0 Z8", "G0 X0.1 Z8"], "NO-GO goes in"),
+        ("tap-npt.ngc", ["G33.1 Z-19 ", "G33.1 Z-21 "], "NO-GO goes in"),
+        ("tap-npt.ngc", ["G33.1 Z-19 ", "G33.1 Z-17 "], "GO does not go in"),
         ("tap-m8.ngc", ["M8x1.25-6H", "M8x1.25-6g"], "and M8x1.25-6g is a screw"),
     ] {
         let program = text(name);
@@ -124,6 +127,42 @@ fn a_tap_of_two_starts_is_judged() {
         let summary = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
         let summary: Value = serde_json::from_str(&summary).expect("a document");
         assert_eq!(summary["gauge"]["verdict"], verdict, "{lead}: {}{}", answer.stdout, answer.stderr);
+    }
+}
+
+/// A tapered tap leaves its own cone, as far as each of its three flutes came: every millimetre that it goes
+/// deeper makes the hole wider by the taper.
+#[test]
+fn a_tapered_tap_is_judged_by_how_deep_it_goes() {
+    let place = Place::new();
+    let program = text("tap-npt.ngc");
+    let plain = path("machines/plain-lathe.toml").display().to_string();
+    let tapped = |depth_mm: f64, name: &str| {
+        let program = program.replace("1/2-14 NPT internal tap 19", name);
+        place.write("other.ngc", program.replace("G33.1 Z-19 ", &format!("G33.1 Z-{depth_mm} ")));
+        run_on(&place, "other.ngc", &plain);
+        let summary = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
+        serde_json::from_str::<Value>(&summary).expect("a document")["gauge"].clone()
+    };
+    // ASME B1.20.1: E1 of 1/2-14 is 0.77843 in, the taper 1 in 16, a turn to either side is good.
+    let (e1_mm, pitch_mm) = (25.4 * 0.77843, 25.4 / 14.0);
+    for (depth_mm, good) in [(18.0, true), (19.0, true), (20.0, true), (21.0, false), (17.0, false)] {
+        let gauge = tapped(depth_mm, "1/2-14 NPT internal tap 19");
+        assert_eq!(gauge["verdict"] == "good", good, "{depth_mm}: {gauge:#}");
+        let measured = |of: &str| gauge[format!("pitch_diameter_{of}_mm")].as_f64().expect("a diameter");
+        // The way out lies 5 um beside the way in, which widens the groove by 1.7 times as much.
+        let wider = measured("max") - (e1_mm + (depth_mm - 19.0) / 16.0);
+        assert!((0.0..0.015).contains(&wider), "{depth_mm}: {wider} mm beyond the cone");
+        let third = measured("max") - measured("min") - pitch_mm / 3.0 / 16.0;
+        assert!(third.abs() < 0.003, "{depth_mm}: {third} mm beside a third of a turn");
+    }
+    // Nobody says where the tap has its diameter: no verdict.
+    let gauge = tapped(19.0, "1/2-14 NPT internal");
+    assert_eq!(gauge["verdict"], "none", "{gauge:#}");
+    for (name, why) in [("M8x1.25-6H tap 19", "tapered"), ("1/2-14 NPT internal tap x", "is not a length")] {
+        place.write("other.ngc", program.replace("1/2-14 NPT internal tap 19", name));
+        let answer = place.ask(&["check", "other.ngc"]);
+        assert!(answer.status == Some(2) && answer.stderr.contains(why), "{name}: {}", answer.stderr);
     }
 }
 

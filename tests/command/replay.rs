@@ -34,7 +34,7 @@ pub(crate) fn arrivals(place: &Place, folder: &str) -> Vec<String> {
 }
 
 /// All examples, each with its machine; the first three are made again in every run of the tests.
-const EXAMPLES: [(&str, &str); 31] = [
+const EXAMPLES: [(&str, &str); 32] = [
     ("fanuc/shaft-m24.nc", "machines/small-lathe"),
     ("mill/contour.ngc", "machines/small-mill"),
     ("positioner/points.toml", "machines/positioner"),
@@ -48,6 +48,7 @@ const EXAMPLES: [(&str, &str); 31] = [
     ("two-inserts.ngc", "machines/small-lathe"),
     ("scroll.ngc", "machines/small-lathe"),
     ("tap-m8.ngc", "machines/small-lathe"),
+    ("tap-npt.ngc", "machines/small-lathe"),
     ("varied.ngc", "machines/small-lathe"),
     ("fanuc/taper-g32.nc", "machines/small-lathe"),
     ("fanuc/tap-peck.nc", "machines/small-lathe"),

@@ -53,6 +53,9 @@ pub struct Nominal {
     pub plane_mm: f64,
     /// Length of the GO gauge, mm.
     pub gauge_mm: f64,
+    /// Of a nut that a tapered tap cuts: how far from its point the tap has the pitch diameter that the nut
+    /// has at its plane, mm.
+    pub tap_mm: Option<f64>,
     /// What its standard asks besides, and no gauge looks at; for people.
     pub left_out: &'static [&'static str],
 }
@@ -110,7 +113,8 @@ impl Nominal {
         let [low, high] = self.pitch_diameter_mm;
         let sizes = [self.pitch_mm, low, high, self.gauge_mm];
         let sound = sizes.iter().all(|mm| mm.is_finite() && *mm > 0.0) && low <= high && self.starts > 0;
-        if !sound || !self.plane_mm.is_finite() || self.taper.is_nan() || self.taper.abs() > 1.0 {
+        let tap = self.tap_mm.is_none_or(|mm| mm.is_finite() && mm > 0.0);
+        if !sound || !tap || !self.plane_mm.is_finite() || self.taper.is_nan() || self.taper.abs() > 1.0 {
             return Err(NominalError::Sizes);
         }
         let flanks = self.flank_deg.iter().all(|deg| (0.0..=80.0).contains(deg));

@@ -65,6 +65,7 @@ impl Nominal {
             taper: 0.0,
             plane_mm: 0.0,
             gauge_mm: profile.major_mm,
+            tap_mm: None,
             left_out: left_out(thread, side),
         };
         nominal.check().map(|()| nominal)
@@ -110,6 +111,7 @@ fn tapered(thread: &Thread, side: Side, member: &Member) -> Result<Nominal, Nomi
         taper,
         plane_mm,
         gauge_mm: length_mm,
+        tap_mm: None,
         left_out: left_out(thread, side),
     };
     nominal.check().map(|()| nominal)

@@ -2,7 +2,7 @@
 //! degrees. Out: a [`Nominal`], or where the text is wrong and what would be right.
 //!
 //! ```text
-//! text    = name | numbers
+//! text    = (name | numbers) [tap length]
 //! name    = as `metrology` reads it, with a class or a side
 //! numbers = P pitch D2 limits { A angle | external | internal | LH | starts n | crest limits | root limits
 //!           | taper 1:n | at Z | length L }
@@ -17,6 +17,7 @@
 //! | `taper` | change of diameter per length: a screw grows away from its face, a nut shrinks | 0 |
 //! | `at` | where the diameters of a cone hold, along Z of the program | 0, the face |
 //! | `length` | length of the GO gauge | the larger limit of D2 |
+//! | `tap` | how far from its point a tapered tap has the diameter of the plane | no tapered tap is judged |
 //!
 //! The words come in any order, in capitals or not, and a number may stand apart from its letter.
 
@@ -33,24 +34,44 @@ impl FromStr for Nominal {
     type Err = Misread;
 
     fn from_str(text: &str) -> Result<Nominal, Misread> {
-        let refused = |why: NominalError| Misread {
-            span: 0..text.len(),
-            message: why.to_string(),
-            help: why.help().into(),
-        };
-        let first = text.trim_start().as_bytes();
-        if first.first().is_some_and(|p| p.eq_ignore_ascii_case(&b'P'))
-            && first.get(1).is_some_and(|next| next.is_ascii_digit() || b" \t.-+".contains(next))
-        {
-            let nominal = numbers(text)?;
-            return nominal.check().map(|()| nominal).map_err(refused);
+        let Some((thread, length)) = tapped(text) else { return read(text) };
+        let nominal = read(thread)?;
+        let span = thread.len()..text.len();
+        if nominal.side != Side::Internal || nominal.taper == 0.0 {
+            return Err(wrong(span, "a tap is told of a nut that is tapered".into()));
         }
-        let thread: Thread = text.parse()?;
-        Nominal::of(&thread).map_err(|why| match why {
-            NominalError::NoLimits => Misread { help: by_numbers(&thread), ..refused(why) },
-            _ => refused(why),
-        })
+        let tap_mm = number(length).filter(|mm| (0.1..=500.0).contains(mm));
+        let tap_mm = tap_mm.ok_or_else(|| wrong(span, format!("{length:?} behind tap is not a length")))?;
+        Ok(Nominal { name: format!("{} tap {tap_mm}", nominal.name), tap_mm: Some(tap_mm), ..nominal })
     }
+}
+
+/// Reads a name or numbers.
+fn read(text: &str) -> Result<Nominal, Misread> {
+    let refused = |why: NominalError| Misread {
+        span: 0..text.len(),
+        message: why.to_string(),
+        help: why.help().into(),
+    };
+    let first = text.trim_start().as_bytes();
+    if first.first().is_some_and(|p| p.eq_ignore_ascii_case(&b'P'))
+        && first.get(1).is_some_and(|next| next.is_ascii_digit() || b" \t.-+".contains(next))
+    {
+        let nominal = numbers(text)?;
+        return nominal.check().map(|()| nominal).map_err(refused);
+    }
+    let thread: Thread = text.parse()?;
+    Nominal::of(&thread).map_err(|why| match why {
+        NominalError::NoLimits => Misread { help: by_numbers(&thread), ..refused(why) },
+        _ => refused(why),
+    })
+}
+
+/// What stands before the word `tap` and behind it, where that ends the text.
+fn tapped(text: &str) -> Option<(&str, &str)> {
+    let (before, length) = text.trim_end().rsplit_once(char::is_whitespace)?;
+    let (thread, word) = before.trim_end().rsplit_once(char::is_whitespace)?;
+    word.eq_ignore_ascii_case("tap").then_some((thread, length))
 }
 
 /// How a thread without limits is written by numbers.
@@ -169,6 +190,7 @@ fn numbers(text: &str) -> Result<Nominal, Misread> {
         taper: if side == Side::External { -taper } else { taper },
         plane_mm: said.at.unwrap_or(0.0),
         gauge_mm: said.length.unwrap_or(most),
+        tap_mm: None,
         left_out: &[],
     })
 }

@@ -74,6 +74,7 @@ pub(crate) fn threads() -> Vec<Made> {
             taper: 0.0,
             plane_mm: 0.0,
             gauge_mm: 10.0 * pitch_mm,
+            tap_mm: None,
             left_out: &[],
         };
         nominal.check().expect("a gauge can be made");

@@ -95,6 +95,10 @@ fn numbers_say_what_a_name_says() {
     assert_eq!((other.flank_deg, other.starts, other.grows), ([15.0; 2], 2, true));
     assert_eq!((other.taper, other.plane_mm, other.gauge_mm), (1.0 / 16.0, -3.0, 36.375));
     assert_eq!((other.side, other.pitch_diameter_mm), (Side::Internal, [36.02, 36.375]));
+    let tapped: Nominal = "Rc1/2 TAP 19,5 ".parse().expect("a tapered nut");
+    assert_eq!((tapped.name.as_str(), tapped.tap_mm), ("Rc1/2 tap 19.5", Some(19.5)));
+    let again: Nominal = tapped.name.parse().expect("its own name");
+    assert_eq!(again, tapped);
 }
 
 #[test]
@@ -115,6 +119,10 @@ fn numbers_that_are_wrong_are_told_by_their_word() {
         ("P-2 D2 18.5..18.6", "P-2 D2 18.5..18.6", "a pitch"),
         ("M20x2-6z", "6z", ""),
         ("M20x2", "M20x2", "neither"),
+        ("M20x2-6H tap 19", " tap 19", "a nut that is tapered"),
+        ("1/2-14 NPT external tap 19", " tap 19", "a nut that is tapered"),
+        ("Rc1/2 tap 0", " tap 0", "\"0\" behind tap is not a length"),
+        ("Rc1/2 tap 19 tap 19", "tap", "not understood"),
     ] {
         let wrong = text.parse::<Nominal>().expect_err(text);
         assert!(wrong.message.contains(message), "{text}: {wrong}");
@@ -139,13 +147,17 @@ fn a_thread_in_the_middle_of_its_class_is_good() {
         "1/4-20 UNC-2A",
         "1/4-20 UNC-3B",
         "1-8 UNC-2A",
+        "1/4-28 UNJF-3A",
+        "1-8 UNJC-3B",
+        "2-4 BUTT-2A",
+        "2-4 PUSH-BUTT-2B",
         "G 1/2 A external",
         "G 1 internal",
         "1-5 ACME-2G external",
         "M20x2-6g LH",
     ] {
         let nominal = named(name).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let (flank, pitch) = (nominal.flank_deg[0], nominal.pitch_mm);
+        let (flank, pitch) = (0.5 * nominal.flank_deg.iter().sum::<f64>(), nominal.pitch_mm);
         let flat_mm = if flank < 20.0 { 0.3 * pitch } else { 0.06 * pitch };
         let [least, most] = nominal.pitch_diameter_mm;
         let middle = Made {

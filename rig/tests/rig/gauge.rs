@@ -29,6 +29,7 @@ fn m20x2() -> Nominal {
         taper: 0.0,
         plane_mm: 0.0,
         gauge_mm: 20.0,
+        tap_mm: None,
         left_out: &[],
     }
 }

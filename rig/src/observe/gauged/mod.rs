@@ -129,7 +129,7 @@ impl Gauged {
         let turns: f64 = program.values().map(|planned| planned.pass.done_deg() / 360.0).sum();
         let room = places as f64 / (SPARE * turns.max(1.0));
         let taps = program.values().any(|planned| planned.pass.returns());
-        let room = if taps { room / tapped::TEETH as f64 } else { room };
+        let room = if taps { room / tapped::teeth(&asked.nominal) as f64 } else { room };
         let stations = (room as usize).clamp(LEAST, STATIONS);
         let stations = if taps { stations - stations % tapped::FLUTES } else { stations };
         let per_station = (SPARE * turns) as usize + 1;
@@ -314,7 +314,9 @@ impl Gauged {
         } else if self.other_side && self.begun > 0 {
             return GaugeReport::refused(nominal, other_side(nominal));
         } else if planned == 0 {
-            "the program cuts no thread, or it is a tap of a taper, or, on a mill, no tap".into()
+            "the program cuts no thread, or it is a tapered tap and its name does not end with tap and the distance from \
+             its point to the plane, or, on a mill, no tap"
+                .into()
         } else if low >= high {
             "the passes have no length of full thread in common".into()
         } else {

@@ -28,6 +28,7 @@ fn nominal() -> Nominal {
         taper: 0.0,
         plane_mm: 0.0,
         gauge_mm: 10.0,
+        tap_mm: None,
         left_out: &[],
     }
 }
