@@ -24,7 +24,7 @@ use crate::{
 
 /// Most moves that one tick takes into the run: more than the run can leave behind in a tick, which is 16.
 /// Where a run fills they are most of what a tick costs.
-const MOVES_PER_TICK: usize = 18;
+const MOVES_PER_TICK: usize = 17;
 
 /// Share by which the spindle's speed must change before the feed per revolution follows: its ripple and the
 /// noise of its encoder stay out of the axes.
