@@ -17,13 +17,16 @@ fn number(value: &Value) -> Option<f64> {
 /// The tool that a job file says, or the jobs of a program, if they have one in common; `None` of any other
 /// program.
 pub(super) fn tool(program: &str) -> Option<JobTool> {
-    let lines: Vec<Option<&str>> = program.lines().map(gcode::job_line).collect();
-    let mut tools = lines.split(Option::is_none).filter(|job| !job.is_empty()).map(|job| {
-        let text: Vec<&str> = job.iter().flatten().copied().collect();
-        of_job(&text.join("\n"))
+    let mut lines = program.lines().map(gcode::job_line);
+    let mut tools = std::iter::from_fn(|| {
+        let first = lines.find_map(|line| line)?;
+        let job: Vec<&str> = std::iter::once(first).chain(lines.by_ref().map_while(|line| line)).collect();
+        Some(of_job(&job.join("\n")))
     });
     match tools.next() {
         Some(first) => first.filter(|_| tools.all(|other| other == first)),
+        // Jobs are shorter (gcode: half a megabyte), so a long text is a program without one.
+        None if program.len() as u64 > intake::SETTINGS => None,
         None => of_job(program),
     }
 }
