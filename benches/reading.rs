@@ -13,13 +13,14 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout)]
 
 use std::fmt::Write as _;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
-use process::ipc::time::{Moment, sleep_until};
+use spent::{peak_mib, run_s};
+
+mod spent;
 
 /// Lines of a program of moves, turns of a loop, lines of the long program.
 const MOVES: usize = 200_000;
@@ -28,7 +29,6 @@ const LONG: usize = 10_000_000;
 
 /// Runs of each program, enough for a mean of times that the kernel counts in steps of 10 ms.
 const RUNS: usize = 10;
-const STEPS_PER_S: f64 = 100.0;
 
 const START: &str = "G21 G90 G17 G94 F1200\n";
 
@@ -157,23 +157,6 @@ fn peer(program: &Path, rs274: &Path) -> Command {
     command
 }
 
-/// Processor time of all processes that were started here and have ended, s: `cutime` and `cstime` of
-/// proc(5).
-fn spent_s() -> f64 {
-    let stat = fs::read_to_string("/proc/self/stat").unwrap();
-    let behind_name = stat.rsplit_once(')').unwrap().1;
-    let steps = behind_name.split_whitespace().skip(13).take(2).map(|steps| steps.parse::<f64>().unwrap());
-    steps.sum::<f64>() / STEPS_PER_S
-}
-
-/// Processor time of one run, s.
-fn run_s(mut command: Command) -> f64 {
-    let before = spent_s();
-    let status = command.status().unwrap();
-    assert!(status.success(), "{command:?}: {status}");
-    spent_s() - before
-}
-
 /// Millions a second, of both if both are here.
 fn rates(count: usize, program: &Path, rs274: Option<&Path>) -> (f64, Option<f64>) {
     let (mut ours, mut theirs) = (0.0, 0.0);
@@ -200,22 +183,6 @@ fn dialects(lines: usize, of: Block, frames: [Frame; 2], folder: &Path) -> [f64;
         }
     }
     times_s.map(|time_s| (RUNS * lines) as f64 / 1e6 / time_s)
-}
-
-/// Peak of the resident memory of a process that is run to its end, MiB, read while it runs.
-fn peak_mib(mut command: Command) -> f64 {
-    let mut process = command.spawn().unwrap();
-    let file = format!("/proc/{}/status", process.id());
-    let mut peak_kib = 0.0_f64;
-    while process.try_wait().unwrap().is_none() {
-        let status = fs::read_to_string(&file).unwrap_or_default();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or_default();
-        let kib = line.trim().trim_end_matches(" kB").parse().unwrap_or(0.0);
-        peak_kib = peak_kib.max(kib);
-        sleep_until(Moment::now().after(Duration::from_millis(5)));
-    }
-    assert!(process.wait().unwrap().success());
-    peak_kib / 1024.0
 }
 
 /// Writes a program to a file.
