@@ -192,6 +192,12 @@ impl Allowance {
         Some((block, limits))
     }
 
+    /// Time of the fastest law over `length` mm from the speed `start` to `end` with `cap` at most, or with
+    /// these two, s. `None` if there is none.
+    pub(super) fn time(&self, length: f64, [start, cap, end]: [f64; 3]) -> Option<f64> {
+        self.quickest(length, start, cap.max(start).max(end), end).map(|law| law.time)
+    }
+
     /// The fastest law to the end of a way with the limits of its highest speed.
     fn quickest(&self, length: f64, start: f64, cap: f64, end: f64) -> Option<Quickest> {
         let least = start.max(end);

@@ -12,7 +12,8 @@
 //! | `chain/sweep.rs` | bounds of a line with its blends (M173) |
 //! | `chain/zone.rs` | limits of the feed over a stretch, from the bends of the path (M66) |
 //! | `chain/allowance.rs` | these limits by speed (M179) |
-//! | `chain/section.rs` | the look-ahead over stretches (M24, M26) |
+//! | `chain/section.rs` | the look-ahead over stretches (M24, M26, M196) |
+//! | `chain/span.rs` | how many of them the next law passes (M197) |
 //! | `chain/steer.rs` | the decision which law s(t) follows next (M23, M64) |
 //! | `chain/law.rs` | the law, and the check before it is released |
 //! | `chain/overlap.rs` | the law behind a stop, which begins before the one before has ended (M194, M195) |
@@ -33,6 +34,7 @@ mod law;
 mod overlap;
 mod pieces;
 mod section;
+mod span;
 mod steer;
 mod sweep;
 mod width;
@@ -229,15 +231,13 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let chord_v2 = 8.0 * block.chord_mm / (self.settings.cycle_s * self.settings.cycle_s);
             let slowest = length / (LEAST_CYCLES * self.settings.cycle_s);
             let asked = block.feed.highest().min(slowest.max(LEAST_FEED));
-            // A change of speed in hand relies on the limits of the sections that it crosses.
-            let joins = !matches!(self.law, Law::Change(_) | Law::Fold(_));
             let ends = [borders[0], borders[1], length];
             let mut begin = 0.0;
             for (end, bend) in ends.into_iter().zip(&bends) {
                 if end > begin {
                     let limits = bend.allowance(&self.settings.axes, asked, chord_v2);
                     let section = Section::new(end - begin, block.feed, limits, stops && end >= length);
-                    self.sections.push(section, &self.ratios, joins);
+                    self.sections.push(section, &self.ratios);
                     begin = end;
                 }
             }

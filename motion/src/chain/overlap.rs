@@ -26,6 +26,7 @@
 use super::junction::Junction;
 use super::law::{ACCURACY, Law};
 use super::pieces::Pieces;
+use super::span::Span;
 use super::zone::{Bend, norm};
 use super::{Ask, Chain, SAME};
 use crate::feed::FeedBlock;
@@ -57,7 +58,7 @@ pub(super) struct Tail {
 impl<const N: usize, T: Copy> Chain<N, T> {
     /// The law that follows behind the stop at which that in hand ends, and how long before its end, s, at
     /// most `within` behind now.
-    pub(super) fn overlap(&self, ask: &Ask, within: f64) -> Option<(FeedBlock, f64)> {
+    pub(super) fn overlap(&self, ask: &Ask, within: f64) -> Option<(Span, f64)> {
         let Law::Block(last) = &self.law else { return None };
         let left = last.duration() - self.tail.map_or(self.t, |tail| self.t.max(tail.time));
         let pulse = last.decel().jerk_interval();
@@ -71,20 +72,21 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
         let k = self.pieces.ending_at(self.along + last.length())?;
         let tip = Tip::at_end_of(&self.pieces, k)?;
-        let next = self.block(section, 0.0, cap, false, 0.0)?;
-        let time = tip.longest(last.decel(), next.accel(), left, &self.settings.axes)?;
+        let next = self.plan(1, 0.0, ask, 0.0)?;
+        let time = tip.longest(last.decel(), next.1.accel(), left, &self.settings.axes)?;
         Some((next, time))
     }
 
     /// Follows a law that begins `time` before the end of that in hand.
-    pub(super) fn overtake(&mut self, next: FeedBlock, time: f64, ask: &Ask) {
+    pub(super) fn overtake(&mut self, (count, next): Span, time: f64, ask: &Ask) {
         let Law::Block(last) = self.law else { return };
+        let behind = self.sections.len() - 1 - count;
         self.leave(last.length());
         (self.law, self.t) = (Law::Rest, 0.0);
         self.place(0.0);
         // The block that is left is completed when its law has come to its end.
         self.completed -= 1;
-        self.begin(next, self.cap(ask));
+        self.follow(next, behind, ask);
         self.tail = Some(Tail { law: last, time });
     }
 

@@ -2,9 +2,13 @@
 //! stretches in the order of the path, the ratios that overrides ask for. Out: the highest feed at the end of
 //! each stretch from which everything ahead can still be kept.
 //!
-//! At a border there is no acceleration, so a ramp lies within one section. Stretches that are short against
-//! a ramp are therefore joined: the section has the lowest feed and the lowest limits of its parts, and loses
-//! next to nothing because no ramp would have fitted into the part that was faster.
+//! ```text
+//! exit(k) = max over m of the speed that the way of sections k + 1 … k + m can join with exit(k + m)    (M196)
+//! ```
+//! within the lowest limits and feeds of these sections, m ≤ 12, or with rest. At an exit there is no
+//! acceleration; a ramp may pass several sections. When the machine enters those that its law passes
+//! (`span.rs`), they become one. Stretches that are very short against a ramp are joined beforehand: before
+//! anything relies on their borders.
 //!
 //! Two passes run side by side. The hard one keeps what the path allows and never changes with an override;
 //! it is what makes every state of the machine one from which it can stop. The soft one keeps the programmed
@@ -22,11 +26,10 @@ pub(super) const SECTIONS: usize = 4096;
 const ALIKE: f64 = 1e-3;
 /// A faster stretch between slower ones is kept apart if at least this ratio of feeds is reached in it.
 const WORTH: f64 = 1.2;
-/// A faster stretch beside a rest is kept apart if a ramp in it comes to this share of the slower feed.
-const REACHED: f64 = 0.5;
-
-/// What is promised is kept with this share to spare, so that no rounding breaks it.
-const SURE: f64 = 1e-9;
+/// Two stretches are joined if both are shorter than this share of such a ramp, so that a law passes a dozen.
+const FINE: f64 = 0.25;
+/// Most sections that a law passes.
+const MOST_JOINED: usize = 12;
 
 /// A stretch of path with one set of limits.
 #[derive(Clone, Copy, Debug)]
@@ -41,14 +44,12 @@ pub(super) struct Section {
     /// Highest feed at the end: what the path allows, and what is programmed.
     pub(super) exit_hard: f64,
     pub(super) exit_soft: f64,
-    /// The highest feed of the stretches that were joined; 0 for one alone.
-    pub(super) most: f64,
 }
 
 impl Section {
     /// A stretch alone, before the look-ahead has seen it.
     pub(super) fn new(length: f64, feed: Feed, limits: Allowance, stops: bool) -> Section {
-        Section { length, feed, limits, stops, exit_hard: 0.0, exit_soft: 0.0, most: 0.0 }
+        Section { length, feed, limits, stops, exit_hard: 0.0, exit_soft: 0.0 }
     }
 
     /// The feed asked for, within what the path allows; 0 for one that is too slow to be one.
@@ -71,9 +72,19 @@ impl Section {
         }
     }
 
-    /// The nominal feed of its fastest stretch.
-    fn fastest(&self, ratios: &Ratios) -> f64 {
-        self.most.max(self.nominal(ratios))
+    /// It and the next one as one.
+    fn with(&self, next: &Section) -> Section {
+        Section {
+            length: self.length + next.length,
+            feed: self.feed.lower(next.feed),
+            limits: self.limits.min(&next.limits),
+            ..*next
+        }
+    }
+
+    /// Whether one law may pass both.
+    fn goes_on(&self, next: &Section) -> bool {
+        !self.stops && self.feed.same_kind(next.feed)
     }
 }
 
@@ -81,8 +92,8 @@ impl Section {
 #[derive(Clone, Debug)]
 pub(super) struct Sections {
     ring: VecDeque<Section>,
-    /// The machine has entered the front section: nothing is joined to it.
-    entered: bool,
+    /// The last stretch, as long as more may be joined to it: nothing counts on it yet.
+    open: Option<Section>,
     /// Index of the first section whose exit may have changed.
     changed: Option<usize>,
     total: f64,
@@ -90,7 +101,7 @@ pub(super) struct Sections {
 
 impl Sections {
     pub(super) fn new() -> Sections {
-        Sections { ring: VecDeque::new(), entered: false, changed: None, total: 0.0 }
+        Sections { ring: VecDeque::new(), open: None, changed: None, total: 0.0 }
     }
 
     /// Takes the memory of all the sections that there may be, and writes to it.
@@ -112,31 +123,56 @@ impl Sections {
         self.ring.front()
     }
 
-    /// Appends a stretch; if it may, joins it to the last section where they are better one, and both to the
-    /// one before.
-    pub(super) fn push(&mut self, zone: Section, ratios: &Ratios, joins: bool) {
-        self.total += zone.length;
-        self.ring.push_back(zone);
-        while joins && self.join_last(ratios) {}
-        self.touch(self.ring.len().saturating_sub(2));
+    /// Appends a stretch. It becomes known when the next one is not joined to it, or by [`Sections::show`].
+    pub(super) fn push(&mut self, zone: Section, ratios: &Ratios) {
+        let open = match self.open.take() {
+            Some(open) if joins(&open, &zone, ratios) => open.with(&zone),
+            open => {
+                self.open = open;
+                self.show();
+                zone
+            }
+        };
+        self.open = Some(open);
+        if open.stops {
+            self.show();
+        }
     }
 
-    /// Joins the last two sections if they are better one.
-    fn join_last(&mut self, ratios: &Ratios) -> bool {
-        let count = self.ring.len();
-        if count < 2 || self.entered && count == 2 {
-            return false;
+    /// The last stretch is known: nothing is joined to it any more.
+    pub(super) fn show(&mut self) {
+        if let Some(open) = self.open.take() {
+            self.total += open.length;
+            self.ring.push_back(open);
+            self.touch(self.ring.len().saturating_sub(2));
         }
-        let (last, zone) = (&self.ring[count - 2], &self.ring[count - 1]);
-        // What was promised to the section before must still hold when this one grows.
-        let promised = if count > 2 { self.ring[count - 3].exit_hard } else { 0.0 };
-        let rests = count == 2 || self.ring[count - 3].stops;
-        if last.stops || keeps_to_rest(last, zone, ratios, rests) || !joins(last, zone, ratios, promised) {
-            return false;
+    }
+
+    /// All sections but the last `behind` become one.
+    pub(super) fn join_front(&mut self, behind: usize) {
+        while self.ring.len() > behind + 1 {
+            if let (Some(front), Some(next)) = (self.ring.pop_front(), self.ring.front_mut()) {
+                *next = front.with(next);
+                self.changed = self.changed.map(|changed| changed.saturating_sub(1));
+            }
         }
-        self.ring[count - 2] = joined(last, zone, ratios);
-        self.ring.pop_back();
-        true
+    }
+
+    /// Section `k` without the first `gone` mm, then it and the next as one, and so on, as far as a law from
+    /// the speed `v` may pass them.
+    pub(super) fn from(&self, k: usize, gone: f64, v: f64, ratios: &Ratios) -> impl Iterator<Item = Section> {
+        let first = self.ring.get(k).map(|first| Section { length: first.length - gone, ..*first });
+        let mut behind = k + 1;
+        let spans = core::iter::successors(first, move |span: &Section| {
+            let next = self.ring.get(behind).filter(|next| span.goes_on(next))?;
+            behind += 1;
+            Some(span.with(next)).filter(|span| v <= span.limits.v * (1.0 + SAME))
+        });
+        spans.take(MOST_JOINED).map(|span| Section {
+            exit_hard: span.exit_hard.min(span.limits.v),
+            exit_soft: span.exit_soft.min(span.cap(ratios)),
+            ..span
+        })
     }
 
     fn touch(&mut self, k: usize) {
@@ -150,38 +186,50 @@ impl Sections {
 
     /// The last section ends the path.
     pub(super) fn stop_at_end(&mut self) {
+        self.show();
         if let Some(last) = self.ring.back_mut() {
             last.stops = true;
         }
     }
 
-    /// Backward pass of the look-ahead; true if something changed. It ends where nothing changes any more.
+    /// Backward pass of the look-ahead; true if something changed. It ends where nothing changes any more. What
+    /// the path allows only grows, because what is known of it stays.
     pub(super) fn look_ahead(&mut self, ratios: &Ratios) -> bool {
         let Some(changed) = self.changed.take() else { return false };
+        let mut alike = 0; // Sections in a row that are as they were.
         for k in (0..self.ring.len()).rev() {
-            let section = &self.ring[k];
-            let (hard, soft) = match self.ring.get(k + 1) {
-                Some(next) if !section.stops => {
-                    let top = section.limits.v.min(next.limits.v);
-                    let cap = section.cap(ratios).min(next.cap(ratios));
-                    let [hard, soft] = [next.exit_hard.min(top), next.exit_soft.min(cap)];
-                    let entry = next.limits.reach(hard, top, next.length);
-                    let alike = (hard, top) == (soft, cap);
-                    (
-                        stop_or(entry, hard, top, next),
-                        if alike { entry } else { next.limits.reach(soft, cap, next.length) },
-                    )
-                }
-                _ => (0.0, 0.0),
-            };
-            let same = section.exit_hard == hard && section.exit_soft == soft;
+            let [hard, soft] = self.exits(k, ratios);
             let section = &mut self.ring[k];
+            let hard = hard.max(section.exit_hard);
+            alike = if section.exit_hard == hard && section.exit_soft == soft { alike + 1 } else { 0 };
             (section.exit_hard, section.exit_soft) = (hard, soft);
-            if same && k <= changed {
+            if alike >= MOST_JOINED && k <= changed {
                 break;
             }
         }
         true
+    }
+
+    /// The exits of section `k` from those ahead (M196).
+    fn exits(&self, k: usize, ratios: &Ratios) -> [f64; 2] {
+        let section = &self.ring[k];
+        let (mut hard, mut soft) = (0.0_f64, 0.0_f64);
+        if section.stops {
+            return [hard, soft];
+        }
+        let (own_top, own_cap) = (section.limits.v, section.cap(ratios));
+        for span in self.from(k + 1, 0.0, 0.0, ratios) {
+            let (top, cap) = (own_top.min(span.limits.v), own_cap.min(span.cap(ratios)));
+            if top <= hard && cap <= soft {
+                break;
+            }
+            let exits = [span.exit_hard.min(top), span.exit_soft.min(cap)];
+            let entry = span.limits.reach(exits[0], top, span.length);
+            let alike = exits[0] == exits[1] && top == cap;
+            hard = hard.max(stop_or(entry, exits[0], top, &span));
+            soft = soft.max(if alike { entry } else { span.limits.reach(exits[1], cap, span.length) });
+        }
+        [hard, soft]
     }
 
     /// Goes on by `way` mm, within the front section or across its end. A rest of it below [`SAME`] is
@@ -189,7 +237,6 @@ impl Sections {
     pub(super) fn go(&mut self, way: f64) {
         let mut left = way;
         while let Some(front) = self.ring.front_mut() {
-            self.entered = true;
             if left < front.length - SAME {
                 front.length -= left;
                 break;
@@ -203,7 +250,7 @@ impl Sections {
             self.changed = self.changed.map(|changed| changed.saturating_sub(1));
         }
         self.total -= way;
-        if self.ring.is_empty() {
+        if self.ring.is_empty() && self.open.is_none() {
             self.clear();
         }
     }
@@ -215,7 +262,7 @@ impl Sections {
 
     pub(super) fn clear(&mut self) {
         self.ring.clear();
-        (self.entered, self.changed, self.total) = (false, None, 0.0);
+        (self.open, self.changed, self.total) = (None, None, 0.0);
     }
 }
 
@@ -228,48 +275,15 @@ fn stop_or(entry: f64, exit: f64, top: f64, section: &Section) -> f64 {
     if stop_is_nearer { entry.max(limits.reach(0.0, top, length)) } else { entry }
 }
 
-/// Two neighbours as one section.
-fn joined(last: &Section, zone: &Section, ratios: &Ratios) -> Section {
-    Section {
-        length: last.length + zone.length,
-        feed: last.feed.lower(zone.feed),
-        limits: last.limits.min(&zone.limits),
-        stops: zone.stops,
-        most: last.fastest(ratios).max(zone.fastest(ratios)),
-        ..*last
-    }
-}
-
-/// Whether the faster one of two neighbours lies between the slower one and a rest, and is long enough for
-/// most of a ramp between both: that then has all the limits of the faster one. `rests`: the machine does so
-/// before `last`.
-fn keeps_to_rest(last: &Section, zone: &Section, ratios: &Ratios, rests: bool) -> bool {
-    let (a, b) = (last.fastest(ratios), zone.fastest(ratios));
-    let low = last.nominal(ratios).min(zone.nominal(ratios));
-    let alone = |faster: &Section| faster.limits.reach(0.0, low, faster.length) >= REACHED * low;
-    rests && a > b * (1.0 + ALIKE) && alone(last) || zone.stops && b > a * (1.0 + ALIKE) && alone(zone)
-}
-
-/// Whether two neighbours are better one section, which can still be entered with the feed `promised`.
-///
-/// They are if ramps between both feeds take as long a way as both. A faster stretch behind a longer section
-/// waits for what follows: more of its kind makes it long enough, or a slower one takes it in. A section that
-/// hides a faster stretch is itself a slow one: it takes nothing in that is as fast as this and long.
-fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool {
+/// Whether two neighbours are better one section: ramps between both feeds take a much longer way than both.
+fn joins(last: &Section, zone: &Section, ratios: &Ratios) -> bool {
     // Feeds per revolution cannot be told from each other's limits while nothing turns.
     let blind = matches!(last.feed, Feed::PerRevolution(..)) && ratios.turns <= 0.0;
-    if !last.feed.same_kind(zone.feed) || blind && last.feed != zone.feed {
+    if !last.goes_on(zone) || blind && last.feed != zone.feed {
         return false;
     }
-    if promised > 0.0 {
-        let both = joined(last, zone, ratios);
-        let entry = promised * (1.0 + SURE);
-        if entry > both.limits.v || both.limits.way(0.0, entry) > both.length {
-            return false;
-        }
-    }
     let low = last.nominal(ratios).min(zone.nominal(ratios));
-    let (a, b) = (last.fastest(ratios), zone.fastest(ratios));
+    let (a, b) = (last.nominal(ratios), zone.nominal(ratios));
     let high = a.max(b);
     if high <= low * (1.0 + ALIKE) {
         // Alike in feed. A long stretch with room for ramps is not tied to tighter limits than its own.
@@ -278,11 +292,10 @@ fn joins(last: &Section, zone: &Section, ratios: &Ratios, promised: f64) -> bool
         let limits = last.limits.min(&zone.limits);
         let both = limits.up_to(low);
         let loses = own.a > 1.5 * both.a || own.j > 1.5 * both.j;
-        return !loses || tied.length <= 2.0 * limits.way(0.0, low);
+        return !loses || tied.length <= FINE * limits.way(0.0, low);
     }
     // They would lie in the faster one, within its own limits.
     let faster = if a >= b { last } else { zone };
-    let ramps = 2.0 * faster.limits.way(low, high.min(WORTH * low));
-    let slow = zone.nominal(ratios) <= low * (1.0 + ALIKE);
-    last.length + zone.length <= ramps || slow && a >= b && last.length <= ramps
+    let ramps = FINE * faster.limits.way(low, high.min(WORTH * low));
+    last.length + zone.length <= ramps
 }

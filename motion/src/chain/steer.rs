@@ -3,37 +3,32 @@
 //!
 //! | in hand | when | follows |
 //! |---|---|---|
-//! | rest | blocks are known and asked for | a block law to the end of the section (M23) |
+//! | rest | blocks are known and asked for | a block law over one or more sections (M23, `span.rs`) |
 //! | block law | it is faster than what is asked for now; its pulse of jerk is over, or has just begun and is folded | a change of speed (M64) |
-//! | block law | the look-ahead sees further; it runs at constant speed | a block law to the end of the section |
-//! | any | it is over | a block law to the end of the section, or rest |
+//! | block law | the look-ahead sees further; it runs at constant speed | a block law over one or more sections |
+//! | any | it is over | a block law over one or more sections, or rest |
 //!
 //! A change of speed may cross sections. It keeps the tightest limits of all of them and the top feed at
 //! every border, and where it ends the rest of the path can still be kept; else the law in hand goes on,
 //! which can.
 
-use super::allowance::Allowance;
 use super::law::{Fold, Law, Promise};
-use super::section::Section;
 use super::{Ask, Chain, SAME};
 use crate::change::SpeedChange;
 use crate::feed::FeedBlock;
 use crate::limits::Limits;
-use crate::reach::reach;
 use crate::sample::Sample;
-use crate::search;
 
 /// Most laws in one cycle: blocks last at least a sixteenth of it, and have three sections at most.
 const MOST_LAWS: usize = 64;
 /// Most sections that a change of speed may cross.
-const MOST_CROSSED: usize = 256;
-/// Relative excess over a hard exit that rounding may leave, when a law is replaced just where it was to
-/// brake.
-const ROUNDED: f64 = 1e-8;
+pub(super) const MOST_CROSSED: usize = 256;
 /// Cycles for which a chain at rest waits for more blocks before it sets off with what it has.
 const PATIENCE: u32 = 8;
 /// A chain at rest waits for more blocks until it knows so many stopping distances.
 const WAYS_KNOWN: f64 = 3.0;
+/// Where fewer stopping distances are known, stretches do not wait for others to be joined to them.
+const WAYS_SHOWN: f64 = 6.0;
 
 impl<const N: usize, T: Copy> Chain<N, T> {
     /// Goes on by one cycle of time.
@@ -132,12 +127,18 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             return;
         }
         let now = self.law.at(self.t);
+        let known = self.sections.total() - now.s;
+        let stopping = match self.sections.front() {
+            Some(front) if !self.rests() => front.limits.way(0.0, self.law.goal(self.t).max(now.v)),
+            _ => f64::INFINITY,
+        };
+        if known <= WAYS_SHOWN * stopping {
+            self.sections.show();
+        }
         let dry = match (&self.law, self.sections.front()) {
             (Law::Rest, _) => self.quiet > PATIENCE,
             (_, None) => true,
-            (law, Some(front)) => {
-                let known = self.sections.total() - now.s;
-                let stopping = front.limits.way(0.0, law.goal(self.t).max(now.v));
+            (law, Some(_)) => {
                 let last = self.sections.len() == 1;
                 !ask.more && known <= WAYS_KNOWN * stopping
                     || last && self.pieces.pending() > 0 && law.level(self.t) >= law.duration() - left
@@ -167,11 +168,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.stale = false;
         if !over && !self.rests() {
             // A law that is good stays unless a better one can be released.
-            let Some(front) = self.sections.front().copied() else { return true };
-            let front = Section { length: front.length - gone, ..front };
-            if let Some(block) = self.block(&front, v, self.cap(ask), ask.single, gone) {
+            let ends = self.sections.front().is_none_or(|front| front.length - gone <= SAME);
+            if !ends && let Some((count, block)) = self.plan(0, v, ask, gone) {
+                let behind = self.sections.len() - count;
                 self.leave(gone);
-                self.begin(block, self.cap(ask));
+                self.follow(block, behind, ask);
             }
             return true;
         }
@@ -181,7 +182,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             // Where it stands at the end of a block, the law that follows is one of the next block.
             self.place(0.0);
         }
-        let (Some(front), cap) = (self.sections.front().copied(), self.cap(ask)) else { return true };
+        if self.sections.front().is_none() {
+            return true;
+        }
+        let cap = self.cap(ask);
         if ask.single && over && v == 0.0 && self.at_block_end() {
             return true;
         }
@@ -190,8 +194,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         {
             self.law = Law::Change(change);
         } else if cap > 0.0 || v > 0.0 {
-            match self.block(&front, v, cap, ask.single, 0.0) {
-                Some(block) => self.begin(block, cap),
+            match self.plan(0, v, ask, 0.0) {
+                Some((count, block)) => self.follow(block, self.sections.len() - count, ask),
                 None => {
                     self.rejected = true;
                     self.law = self.change(v, 0.0, 0.0, 0.0).map_or(Law::Rest, Law::Change);
@@ -201,9 +205,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         true
     }
 
-    /// Follows a block law. At its highest speed it is planned again if it may become faster yet: what bends
-    /// leave for that is less, so it takes another ramp.
-    pub(super) fn begin(&mut self, block: FeedBlock, cap: f64) {
+    /// Follows a block law that passes all sections but the last `behind`. At its highest speed it is planned
+    /// again if it may become faster yet: what bends leave for that is less, so it takes another ramp.
+    pub(super) fn follow(&mut self, block: FeedBlock, behind: usize, ask: &Ask) {
+        self.sections.join_front(behind);
+        let cap = self.cap(ask);
         self.stale = block.accel().dv() > 0.0 && block.cruise_time() > 0.0 && block.peak_feed() < cap;
         (self.law, self.t) = (Law::Block(block), 0.0);
     }
@@ -257,68 +263,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.sections.go(gone);
     }
 
-    /// The law to the end of the front section from the speed `v`, `gone` mm behind the start of the law in
-    /// hand.
-    pub(super) fn block(
-        &self,
-        front: &Section,
-        v: f64,
-        cap: f64,
-        single: bool,
-        gone: f64,
-    ) -> Option<FeedBlock> {
-        let limits = &front.limits;
-        let (mut length, mut exit) = (front.length, front.exit_soft);
-        if single {
-            let stopping = limits.way(v, 0.0);
-            let way = self.block_end(gone, stopping);
-            if way < length + SAME {
-                if stopping <= way {
-                    (length, exit) = (way.min(length), 0.0);
-                }
-            } else {
-                exit = exit.min(reach(0.0, exit, way - length, &self.tightest(gone + way, exit)));
-            }
-        }
-        let plan = |exit: f64| limits.block(length, [v, cap.max(v).max(exit), exit], self.settings.cycle_s);
-        let (block, limits) =
-            plan(exit).or_else(|| plan(nearest_exit(v, exit, front.exit_hard, length, limits)))?;
-        let [end, way] = [block.end_feed(), block.length()];
-        let promise = Promise { start: v, acceleration: 0.0, end, way, limits };
-        Law::Block(block).keeps(&promise).then_some(block)
-    }
-
     /// Whether the machine is where a block ends: at the end of the front one, or at its start, when the one
     /// before has been left behind.
     fn at_block_end(&self) -> bool {
         let ends = |length: f64| (length - self.along).abs() <= SAME;
         self.along.abs() <= SAME || self.pieces.front().is_some_and(|front| ends(front.length()))
-    }
-
-    /// Way to the first end of a block that is at least `least` mm ahead, `gone` mm behind the start of the
-    /// law in hand, mm.
-    fn block_end(&self, gone: f64, least: f64) -> f64 {
-        let mut way = -self.along - gone;
-        for piece in self.pieces.ahead() {
-            way += piece.length();
-            if way > SAME && way >= least {
-                break;
-            }
-        }
-        way
-    }
-
-    /// The tightest limits on the next `way` mm up to a speed.
-    fn tightest(&self, way: f64, v: f64) -> Limits {
-        let (mut limits, mut gone) = (Limits::NONE, 0.0);
-        for section in (0..MOST_CROSSED).map_while(|k| self.sections.get(k)) {
-            limits = limits.min(&section.limits.up_to(v));
-            gone += section.length;
-            if gone >= way {
-                break;
-            }
-        }
-        limits
     }
 
     /// A change to the speed `target` that begins `gone` mm behind the start of the front section; `None` if
@@ -360,10 +309,12 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             limits = limits.min(&section.limits.up_to(fastest));
             limits.v = f64::INFINITY;
             if left <= section.length {
-                let rest = section.length - left;
-                let fits = |exit: f64| section.limits.way(target, exit) <= rest;
-                let keeps = target <= section.exit_hard || fits(section.exit_hard) || fits(0.0);
-                return (keeps && target <= section.limits.v * (1.0 + SAME)).then_some(limits);
+                let keeps = self.sections.from(k, left, target, &self.ratios).any(|joined| {
+                    let fits = |exit: f64| joined.limits.way(target, exit) <= joined.length;
+                    target <= joined.exit_hard || fits(joined.exit_hard) || fits(0.0)
+                });
+                let keeps = keeps && target <= section.limits.v * (1.0 + SAME);
+                return keeps.then_some(limits);
             }
             left -= section.length;
             border += section.length;
@@ -381,20 +332,4 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
         None
     }
-}
-
-/// The exit nearest to `exit` that a way of `length` allows, at most `hard` when it brakes.
-///
-/// A ramp down to a little less takes a longer way than one down to much less: (F − e/2) T(e) rises with e,
-/// then falls. Where no exit between the speed and the hard one can be reached, one below it can.
-fn nearest_exit(v: f64, exit: f64, hard: f64, length: f64, limits: &Allowance) -> f64 {
-    if exit > v {
-        return limits.reach(v, exit, length);
-    }
-    // The override fell too late for the feed of the next section: as slow as can be.
-    let above = v - search::largest(v - exit, length, |e| limits.way(v - e, v));
-    if above <= hard * (1.0 + ROUNDED) {
-        return above;
-    }
-    search::largest(hard.min(v), length, |exit| limits.way(exit, v))
 }

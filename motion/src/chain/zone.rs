@@ -10,9 +10,9 @@
 //! | x, f, g | – | how far a pulse of jerk has come, 0 … 1; its acceleration and jerk, as shares of their peaks |
 //!
 //! ```text
-//! v ≤ V/k₁,  v² ≤ 0.7 A/k₂,  v³ ≤ 0.65 J/k₃,  v⁴ ≤ 0.65 D/k₄,  v² ≤ 8 ε/|k₂| T²
+//! v ≤ V/k₁,  v² ≤ 0.7 A/k₂,  v³ ≤ 0.75 J/k₃,  v⁴ ≤ 0.75 D/k₄,  v² ≤ 8 ε/|k₂| T²
 //! A′ = A − k₂v²,  J′ = J − k₃v³,  D′ = D − k₄v⁴
-//! a ≤ A′/k₁,  3K₂va ≤ 0.8 J′,  3K₂a² + 6K₃v²a ≤ 0.6 D′,  4K₂vj ≤ 0.3 D′         the least J′, D′ of all axes
+//! a ≤ A′/k₁,  3K₂va ≤ 0.8 J′,  3K₂a² + 6K₃v²a ≤ 0.6 D′,  4K₂vj ≤ 0.4 D′         the least J′, D′ of all axes
 //! j ≤ (J′ − 0.66 · 3k₂va)/k₁
 //! d ≤ (D′ − 0.57 · 4k₂vj − 0.93 (3k₂a² + 6k₃v²a))/k₁                                              (M66)
 //! ```
@@ -38,10 +38,10 @@ use crate::path::Path;
 use crate::sample::Sample;
 
 /// Share of the acceleration that a bend may take, and of jerk and jerk rate.
-const BEND: [f64; 2] = [0.7, 0.65];
+const BEND: [f64; 2] = [0.7, 0.75];
 /// Shares of what it leaves: for the acceleration in jerk, in jerk rate, for jerk in jerk rate.
 const ACCELERATION: [f64; 2] = [0.8, 0.6];
-const JERK: f64 = 0.3;
+const JERK: f64 = 0.4;
 const _: () = assert!(ACCELERATION[0] <= 0.8 && ACCELERATION[1] <= 0.7 && JERK <= 0.4, "where M181 holds");
 /// How much of the peaks of other terms is left when jerk and jerk rate are at theirs (M181).
 const BESIDE_JERK: f64 = 0.66;

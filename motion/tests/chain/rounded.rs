@@ -174,8 +174,8 @@ fn is_crawled_through(blocks: [&Line; 2], jump: &[f64; N], blend: &Blend<N>, spa
     let allowed = bends.iter().flat_map(|own| (0..N).map(move |i| (own, i))).map(|(own, i)| {
         let (axis, [second, third, fourth]) = (&AXES[i], [0, 1, 2].map(|n| own[n][i] + peaks[n + 1][i]));
         let by_acceleration = (0.7 * axis.a / second).sqrt();
-        let by_jerk = libm::cbrt(0.65 * axis.j / third);
-        let by_jerk_rate = (0.65 * axis.dj / fourth).sqrt().sqrt();
+        let by_jerk = libm::cbrt(0.75 * axis.j / third);
+        let by_jerk_rate = (0.75 * axis.dj / fourth).sqrt().sqrt();
         let turned = (peaks[0][i] - 0.5 * jump[i].abs()).max(0.0);
         let by_speed = axis.v / (shares[0][i].max(shares[1][i]) + turned);
         by_speed.min(by_acceleration).min(by_jerk).min(by_jerk_rate)
