@@ -82,6 +82,14 @@ impl Section {
         }
     }
 
+    /// The highest entry up to `top` from which the speed `exit` is reached at the end; `least` if it is not
+    /// above that.
+    fn entry(&self, exit: f64, top: f64, least: f64) -> f64 {
+        // One way tells whether the search can be of use.
+        let may = top > least && (exit >= least || self.limits.way(exit, least) < self.length);
+        if may { least.max(self.limits.reach(exit, top, self.length)) } else { least }
+    }
+
     /// Whether one law may pass both.
     fn goes_on(&self, next: &Section) -> bool {
         !self.stops && self.feed.same_kind(next.feed)
@@ -96,12 +104,14 @@ pub(super) struct Sections {
     open: Option<Section>,
     /// Index of the first section whose exit may have changed.
     changed: Option<usize>,
+    /// Something else is asked for since the exits were found.
+    asked: bool,
     total: f64,
 }
 
 impl Sections {
     pub(super) fn new() -> Sections {
-        Sections { ring: VecDeque::new(), open: None, changed: None, total: 0.0 }
+        Sections { ring: VecDeque::new(), open: None, changed: None, asked: false, total: 0.0 }
     }
 
     /// Takes the memory of all the sections that there may be, and writes to it.
@@ -181,7 +191,7 @@ impl Sections {
 
     /// The ratios changed: every soft exit may be another.
     pub(super) fn touch_all(&mut self) {
-        self.changed = Some(0);
+        (self.changed, self.asked) = (Some(0), true);
     }
 
     /// The last section ends the path.
@@ -194,28 +204,39 @@ impl Sections {
 
     /// Backward pass of the look-ahead; true if something changed. It ends where nothing changes any more. What
     /// the path allows only grows, because what is known of it stays.
-    pub(super) fn look_ahead(&mut self, ratios: &Ratios) -> bool {
-        let Some(changed) = self.changed.take() else { return false };
+    ///
+    /// A few sections beyond many, and beyond the next `near` mm, wait for more.
+    pub(super) fn look_ahead(&mut self, ratios: &Ratios, near: f64) -> bool {
+        let Some(changed) = self.changed else { return false };
+        let fresh = self.ring.len() - changed.min(self.ring.len());
+        if !self.asked && changed > 2 * MOST_JOINED && fresh < MOST_JOINED {
+            let beyond: f64 = self.ring.iter().rev().take(fresh).map(|section| section.length).sum();
+            if self.total - beyond > near {
+                return false;
+            }
+        }
+        self.changed = None;
         let mut alike = 0; // Sections in a row that are as they were.
         for k in (0..self.ring.len()).rev() {
             let [hard, soft] = self.exits(k, ratios);
             let section = &mut self.ring[k];
-            let hard = hard.max(section.exit_hard);
             alike = if section.exit_hard == hard && section.exit_soft == soft { alike + 1 } else { 0 };
             (section.exit_hard, section.exit_soft) = (hard, soft);
             if alike >= MOST_JOINED && k <= changed {
                 break;
             }
         }
+        self.asked = false;
         true
     }
 
-    /// The exits of section `k` from those ahead (M196).
+    /// The exits of section `k` from those ahead (M196). What was found before still holds, the soft one if
+    /// nothing else is asked for: it is where the search begins.
     fn exits(&self, k: usize, ratios: &Ratios) -> [f64; 2] {
         let section = &self.ring[k];
-        let (mut hard, mut soft) = (0.0_f64, 0.0_f64);
+        let (mut hard, mut soft) = (section.exit_hard, if self.asked { 0.0 } else { section.exit_soft });
         if section.stops {
-            return [hard, soft];
+            return [0.0; 2];
         }
         let (own_top, own_cap) = (section.limits.v, section.cap(ratios));
         for span in self.from(k + 1, 0.0, 0.0, ratios) {
@@ -223,11 +244,11 @@ impl Sections {
             if top <= hard && cap <= soft {
                 break;
             }
-            let exits = [span.exit_hard.min(top), span.exit_soft.min(cap)];
-            let entry = span.limits.reach(exits[0], top, span.length);
-            let alike = exits[0] == exits[1] && top == cap;
-            hard = hard.max(stop_or(entry, exits[0], top, &span));
-            soft = soft.max(if alike { entry } else { span.limits.reach(exits[1], cap, span.length) });
+            hard = span.entry(span.exit_hard.min(top), top, hard);
+            // A stop may be nearer than an exit a little below the entry: (F − e/2) T(e) rises with e, then
+            // falls.
+            hard = span.entry(0.0, top, hard);
+            soft = span.entry(span.exit_soft.min(cap), cap, soft);
         }
         [hard, soft]
     }
@@ -262,17 +283,8 @@ impl Sections {
 
     pub(super) fn clear(&mut self) {
         self.ring.clear();
-        (self.open, self.changed, self.total) = (None, None, 0.0);
+        (self.open, self.changed, self.asked, self.total) = (None, None, false, 0.0);
     }
-}
-
-/// Highest entry from which a section can be kept: that from which its exit is reached, or a stop. That may
-/// be nearer than an exit a little below the entry: (F − e/2) T(e) rises with e, then falls.
-fn stop_or(entry: f64, exit: f64, top: f64, section: &Section) -> f64 {
-    let (limits, length) = (&section.limits, section.length);
-    // One way tells whether the search for it can be of use.
-    let stop_is_nearer = exit > 0.0 && entry < top && limits.way(0.0, entry) < length;
-    if stop_is_nearer { entry.max(limits.reach(0.0, top, length)) } else { entry }
 }
 
 /// Whether two neighbours are better one section: ramps between both feeds take a much longer way than both.

@@ -27,7 +27,7 @@ pub(super) const MOST_CROSSED: usize = 256;
 const PATIENCE: u32 = 8;
 /// A chain at rest waits for more blocks until it knows so many stopping distances.
 const WAYS_KNOWN: f64 = 3.0;
-/// Where fewer stopping distances are known, stretches do not wait for others to be joined to them.
+/// Where fewer stopping distances are known, stretches do not wait for others, nor exits for more of them.
 const WAYS_SHOWN: f64 = 6.0;
 
 impl<const N: usize, T: Copy> Chain<N, T> {
@@ -37,8 +37,9 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         let mut left = self.settings.cycle_s;
         let mut refused = false;
         for _ in 0..MOST_LAWS {
-            self.run_dry(ask, left);
-            self.stale |= self.sections.look_ahead(&self.ratios);
+            let near = self.ways(WAYS_SHOWN);
+            self.run_dry(ask, left, near);
+            self.stale |= self.sections.look_ahead(&self.ratios, near);
             let cap = self.cap(ask);
             let slow = !refused && self.law.goal(self.t) > cap * (1.0 + SAME);
             let follows = self.overlap(ask, left);
@@ -75,8 +76,9 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// known while more may follow; the time it took.
     pub(super) fn leap(&mut self, ask: &Ask) -> f64 {
         self.take(ask);
-        self.run_dry(ask, 0.0);
-        self.stale |= self.sections.look_ahead(&self.ratios);
+        let near = self.ways(WAYS_SHOWN);
+        self.run_dry(ask, 0.0, near);
+        self.stale |= self.sections.look_ahead(&self.ratios, near);
         if self.stale && !self.rests() && self.law.level(self.t) <= self.t {
             self.decide(ask, false);
         }
@@ -121,18 +123,24 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
     }
 
+    /// The way of so many stopping distances from where the machine is, from the start of the law in hand, mm;
+    /// without end at rest.
+    fn ways(&self, count: f64) -> f64 {
+        let now = self.law.at(self.t);
+        match self.sections.front() {
+            Some(front) if !self.rests() => {
+                now.s + count * front.limits.way(0.0, self.law.goal(self.t).max(now.v))
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Ends the chain if what is known of it is about to be used up.
-    fn run_dry(&mut self, ask: &Ask, left: f64) {
+    fn run_dry(&mut self, ask: &Ask, left: f64, near: f64) {
         if self.closed {
             return;
         }
-        let now = self.law.at(self.t);
-        let known = self.sections.total() - now.s;
-        let stopping = match self.sections.front() {
-            Some(front) if !self.rests() => front.limits.way(0.0, self.law.goal(self.t).max(now.v)),
-            _ => f64::INFINITY,
-        };
-        if known <= WAYS_SHOWN * stopping {
+        if self.sections.total() <= near {
             self.sections.show();
         }
         let dry = match (&self.law, self.sections.front()) {
@@ -140,7 +148,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             (_, None) => true,
             (law, Some(_)) => {
                 let last = self.sections.len() == 1;
-                !ask.more && known <= WAYS_KNOWN * stopping
+                !ask.more && self.sections.total() <= self.ways(WAYS_KNOWN)
                     || last && self.pieces.pending() > 0 && law.level(self.t) >= law.duration() - left
             }
         };
