@@ -3,7 +3,7 @@
 //! each stretch from which everything ahead can still be kept.
 //!
 //! ```text
-//! exit(k) = max over m of the speed that the way of sections k + 1 … k + m can join with exit(k + m)    (M196)
+//! exit(k) = max over m of the speed that the way of sections k + 1 … k + m can join with exit(k + m)  (M196)
 //! ```
 //! within the lowest limits and feeds of these sections, m ≤ 12, or with rest. At an exit there is no
 //! acceleration; a ramp may pass several sections. When the machine enters those that its law passes
@@ -28,6 +28,8 @@ const ALIKE: f64 = 1e-3;
 const WORTH: f64 = 1.2;
 /// Two stretches are joined if both are shorter than this share of such a ramp, so that a law passes a dozen.
 const FINE: f64 = 0.25;
+/// Most sections that a change of speed may cross.
+pub(super) const MOST_CROSSED: usize = 256;
 /// Most sections that a law passes.
 const MOST_JOINED: usize = 12;
 
@@ -202,8 +204,8 @@ impl Sections {
         }
     }
 
-    /// Backward pass of the look-ahead; true if something changed. It ends where nothing changes any more. What
-    /// the path allows only grows, because what is known of it stays.
+    /// Backward pass of the look-ahead; true if something changed. It ends where nothing changes any more.
+    /// What the path allows only grows, because what is known of it stays.
     ///
     /// A few sections beyond many, and beyond the next `near` mm, wait for more.
     pub(super) fn look_ahead(&mut self, ratios: &Ratios, near: f64) -> bool {

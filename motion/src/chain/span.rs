@@ -13,15 +13,14 @@
 //! m that makes  t(m) − Σ t₁(i) + d(u, e) (e − u)/e(e + u)  least,  i = 1 … m,  m ≤ 12              (M197)
 //! ```
 //! Sections as one have the lowest limits of all of them. So a law over many is slower where one of them is
-//! much tighter than the others, a law over few where they are too short for its ramps. The sum is the time of
-//! a machine that is as fast as it may be at each border, and so the same measure for every m; the last term
-//! is what a ramp from u to e takes longer than e itself. Whichever m is taken, the law keeps every limit: the
-//! choice is one of time alone.
+//! much tighter than the others, a law over few where they are too short for its ramps. The sum is the time
+//! of a machine that is as fast as it may be at each border, and so the same measure for every m; the last
+//! term is what a ramp from u to e takes longer than e itself. Whichever m is taken, the law keeps every
+//! limit: the choice is one of time alone.
 
 use super::allowance::Allowance;
 use super::law::{Law, Promise};
-use super::section::Section;
-use super::steer::MOST_CROSSED;
+use super::section::{MOST_CROSSED, Section};
 use super::{Ask, Chain, SAME};
 use crate::feed::FeedBlock;
 use crate::limits::Limits;
@@ -60,7 +59,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
                 break;
             }
             let (cap, exit, limits) = (cap(&joined), own.exit_soft, &joined.limits);
-            if cap <= 0.0 {
+            if cap <= 0.0 || n > 0 && v > cap * (1.0 + SAME) {
                 break;
             }
             let length = if n == 0 { joined.length } else { own.length };

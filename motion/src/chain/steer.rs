@@ -13,6 +13,7 @@
 //! which can.
 
 use super::law::{Fold, Law, Promise};
+use super::section::MOST_CROSSED;
 use super::{Ask, Chain, SAME};
 use crate::change::SpeedChange;
 use crate::feed::FeedBlock;
@@ -21,8 +22,6 @@ use crate::sample::Sample;
 
 /// Most laws in one cycle: blocks last at least a sixteenth of it, and have three sections at most.
 const MOST_LAWS: usize = 64;
-/// Most sections that a change of speed may cross.
-pub(super) const MOST_CROSSED: usize = 256;
 /// Cycles for which a chain at rest waits for more blocks before it sets off with what it has.
 const PATIENCE: u32 = 8;
 /// A chain at rest waits for more blocks until it knows so many stopping distances.
@@ -123,8 +122,8 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
     }
 
-    /// The way of so many stopping distances from where the machine is, from the start of the law in hand, mm;
-    /// without end at rest.
+    /// The way of so many stopping distances from where the machine is, from the start of the law in hand,
+    /// mm; without end at rest.
     fn ways(&self, count: f64) -> f64 {
         let now = self.law.at(self.t);
         match self.sections.front() {
