@@ -106,8 +106,8 @@ fn a_browser_that_is_killed_or_stopped_costs_the_machine_nothing() {
     let alone = place.run_inside(&example("m20x2"), None);
     let mut seed = Seed::new(21);
     let moments = testing::count("PITCHLOCK_BROWSERS", 2);
-    // So that all moments lie in the run: some seven seconds, or three minutes.
-    let pace = if moments > 2 { "0.3" } else { "8" };
+    // So that all moments lie in the run: some fourteen seconds, or three minutes.
+    let pace = if moments > 2 { "0.3" } else { "4" };
     let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", pace]);
     let url = format!("http://{}/#{}", panel.address, panel.token);
     let mut before = 0;
