@@ -86,14 +86,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
 
     /// The law to the end of a section, or of several as one, from the speed `v`, `gone` mm behind the start
     /// of the law in hand.
-    pub(super) fn block(
-        &self,
-        front: &Section,
-        v: f64,
-        cap: f64,
-        single: bool,
-        gone: f64,
-    ) -> Option<FeedBlock> {
+    fn block(&self, front: &Section, v: f64, cap: f64, single: bool, gone: f64) -> Option<FeedBlock> {
         let limits = &front.limits;
         let (mut length, mut exit) = (front.length, front.exit_soft);
         if single {
