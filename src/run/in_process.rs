@@ -27,7 +27,7 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
     let begun = Moment::now();
     let unreadable = Rc::<RefCell<Option<String>>>::default();
     let mut rig = machine(setup, Rc::clone(&unreadable))?;
-    let mut recorder = Recorder::new(setup, true)?;
+    let mut recorder = Recorder::new(setup, true, interrupts.asked())?;
     let mut supervisor = Supervisor::new(&setup.machine, &setup.program.watched);
     let mut standstill = Standstill::new(&setup.machine, &setup.scenario);
     let mut endings = Endings::default();
@@ -83,9 +83,9 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
         }
     }
     endings.ends(supervisor.end());
-    let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
+    let Recorded { mut summary, failed, stands } = recorder.finish(&setup.folder.named, setup.clock);
     endings.tell(&mut summary);
-    Ok((complete(summary, setup, begun), failed))
+    Ok(Recorded { summary: complete(summary, setup, begun), failed, stands })
 }
 
 type Items = Box<dyn Iterator<Item = Item>>;

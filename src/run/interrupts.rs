@@ -33,6 +33,7 @@ pub(crate) struct Interrupts {
     signals: Signals,
     wish: Wish,
     over: Arc<AtomicBool>,
+    asked: Arc<AtomicBool>,
 }
 
 /// After the run signals do what they do to any program: nothing that is still to be printed may hold it up.
@@ -46,15 +47,16 @@ impl Interrupts {
     /// Catches them from here on.
     pub(crate) fn catch() -> Result<Interrupts, CliError> {
         let refused = |error: std::io::Error| CliError::Machine(error.to_string());
-        let over = Arc::<AtomicBool>::default();
+        let (over, asked) = (Arc::<AtomicBool>::default(), Arc::<AtomicBool>::default());
         for signal in [SIGINT, SIGTERM, SIGHUP] {
             register_conditional_default(signal, Arc::clone(&over)).map_err(refused)?;
+            register(signal, Arc::clone(&asked)).map_err(refused)?;
         }
         // A file that may not become longer is an error of whoever writes it, and not the end of the
         // launcher.
         register(SIGXFSZ, Arc::default()).map_err(refused)?;
         let signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(refused)?;
-        Ok(Interrupts { signals, wish: Wish::None, over })
+        Ok(Interrupts { signals, wish: Wish::None, over, asked })
     }
 
     /// Whether anything has been asked for.
@@ -65,6 +67,12 @@ impl Interrupts {
     /// Another run begins: what was asked for in the one before is over.
     pub(crate) fn forget(&mut self) {
         self.wish = Wish::None;
+        self.asked.store(false, Ordering::Relaxed);
+    }
+
+    /// Set as soon as anything is asked for, for whoever waits for something else.
+    pub(crate) fn asked(&self) -> &Arc<AtomicBool> {
+        &self.asked
     }
 
     /// All that has been asked for so far, in one word.

@@ -1,5 +1,5 @@
-//! The journal of a run, written by a thread of its own: in its folder there is at any time what the control
-//! knows.
+//! The journal of a run and the record of what reached its modules, written by one thread: in the run folder
+//! there is at any time what the control knows, and what its machine needs to be made again up to there.
 //!
 //! The first record is written before anything moves. From there on nothing waits for the disk: what the
 //! thread cannot take yet is kept back, and the newest takes its place. What comes soon after the disk was
@@ -8,8 +8,11 @@
 use std::{
     io,
     path::{Path, PathBuf},
-    sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel},
-    thread::JoinHandle,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, TrySendError, sync_channel},
+    },
     time::Duration,
 };
 
@@ -17,8 +20,13 @@ use process::ipc::time::Moment;
 use rig::{
     journal::{Book, File, Keeper, Medium, State},
     observe::Record,
+    replay::Collector,
 };
 
+use super::{
+    disk::{Disk, News, Unwritten, look_again},
+    moment::{EVERY, Live},
+};
 use crate::error::CliError;
 
 /// Its name in the run folder.
@@ -72,65 +80,113 @@ impl Drop for Spared {
     }
 }
 
+/// What is to be written: nothing, or what became of it since the thread took the last.
+#[derive(Default)]
+struct Kept {
+    /// The newest state.
+    state: Option<State>,
+    /// How many control cycles are recorded.
+    cycles: Option<u64>,
+    /// What reached the modules, as lines of its file.
+    lines: String,
+}
+
 /// A journal that is being written.
-pub(crate) struct Journal {
+pub(super) struct Journal {
     keeper: Keeper,
-    to_disk: SyncSender<State>,
-    thread: JoinHandle<io::Result<()>>,
-    kept_back: Option<State>,
+    disk: Disk<Kept>,
+    kept_back: Kept,
+    /// Changes of arrivals that are in it.
+    arrivals: usize,
     /// Ends when the first record is written.
     first: Receiver<()>,
     begun: bool,
+    asked: Arc<AtomicBool>,
 }
 
 impl Journal {
-    /// A new journal in a run folder, of a machine that keeps to the wall or runs as `fast` as it can.
-    pub(crate) fn create(folder: &Path, keeper: Keeper, fast: bool) -> Result<Journal, CliError> {
+    /// A new journal in a run folder, of a machine that keeps to the wall or runs as `fast` as it can;
+    /// `asked` tells that the operator wants something. The record of arrivals begins with `head`.
+    pub(super) fn create(
+        folder: &Path,
+        keeper: Keeper,
+        head: &str,
+        fast: bool,
+        asked: Arc<AtomicBool>,
+    ) -> Result<Journal, CliError> {
         let path = folder.join(JOURNAL);
         let book = Spared::create(&path).map(Book::new).map_err(|error| CliError::file(&path, error))?;
-        let (to_disk, news) = sync_channel(WAITING);
-        let (begins, first) = sync_channel(0);
+        let mut live = Live::create(folder, head)?;
         let gather = if fast { GATHER_FAST } else { GATHER };
-        let thread = std::thread::Builder::new().name("journal".into());
-        let thread = thread.spawn(move || write(&news, book, gather, begins));
-        let thread = thread.map_err(|error| CliError::Machine(error.to_string()))?;
-        Ok(Journal { keeper, to_disk, thread, kept_back: None, first, begun: false })
+        let journal =
+            Journal::on(book, keeper, asked, move |cycles, lines| live.write(cycles, lines), gather);
+        journal.map_err(|error| CliError::Machine(error.to_string()))
     }
 
-    /// Takes one control cycle.
-    pub(crate) fn cycle(&mut self, record: &Record) {
-        if let Some(news) = self.keeper.cycle(record) {
-            self.kept_back = Some(news);
+    fn on<M: Medium + Send + 'static>(
+        book: Book<M>,
+        keeper: Keeper,
+        asked: Arc<AtomicBool>,
+        live: impl FnMut(u64, &str) + Send + 'static,
+        gather: Duration,
+    ) -> io::Result<Journal> {
+        let (begins, first) = sync_channel(0);
+        let disk = Disk::start("journal", WAITING, move |news| write(news, book, live, gather, begins))?;
+        Ok(Journal { keeper, disk, kept_back: Kept::default(), arrivals: 0, first, begun: false, asked })
+    }
+
+    /// Takes one control cycle, and what has reached the modules.
+    pub(super) fn cycle(&mut self, record: &Record, collected: &Collector) {
+        let state = self.keeper.cycle(record);
+        let (cycles, so_far) = (record.truth.cycle.0 + 1, collected.so_far());
+        let kept = &mut self.kept_back;
+        let more = so_far.changes.len() > self.arrivals;
+        if more {
+            kept.lines += &so_far.lines_from(self.arrivals);
+            self.arrivals = so_far.changes.len();
         }
+        if more || cycles.is_multiple_of(EVERY) {
+            kept.cycles = Some(cycles);
+        }
+        let begins = state.is_some() && !self.begun;
+        kept.state = state.or(kept.state);
         // In most cycles there is nothing, and what there would be is long.
-        let Some(news) = &self.kept_back else { return };
-        if !matches!(self.to_disk.try_send(*news), Err(TrySendError::Full(_))) {
-            self.kept_back = None;
-            // Before anything moves: a journal is never without a whole record.
-            if !std::mem::replace(&mut self.begun, true) {
-                let _ = self.first.recv();
-            }
+        if kept.state.is_none() && kept.cycles.is_none() {
+            return;
+        }
+        if let Err(TrySendError::Full(back)) = self.disk.offer(std::mem::take(kept)) {
+            self.kept_back = back;
+        } else if begins {
+            self.begun = true;
+            self.wait_for_the_first();
         }
     }
 
-    /// Writes what is known last, waits until the disk has it; why not all of it could be written.
-    pub(crate) fn finish(self) -> io::Result<()> {
-        if let Some(state) = self.keeper.last() {
-            let _ = self.to_disk.send(state);
+    /// Before anything moves: a journal is never without a whole record. Somebody who wants the machine to
+    /// stop does not wait for that.
+    fn wait_for_the_first(&self) {
+        while self.first.try_recv() == Err(TryRecvError::Empty) && !self.asked.load(Ordering::Relaxed) {
+            look_again();
         }
-        drop(self.to_disk);
-        self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    }
+
+    /// Writes what is known last, waits until the disk has it, or has done nothing for so long; why not all
+    /// of it could be written.
+    pub(super) fn finish(self, patience: Duration) -> Result<(), Unwritten> {
+        let state = self.keeper.last().or(self.kept_back.state);
+        self.disk.finish(Kept { state, ..self.kept_back }, patience)
     }
 }
 
 /// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what
 /// follows. Whoever waits for the first one waits for the end of `begins`.
-fn write(
-    news: &Receiver<State>,
-    mut book: Book<Spared>,
+fn write<M: Medium>(
+    news: &News<Kept>,
+    mut book: Book<M>,
+    mut live: impl FnMut(u64, &str),
     gather: Duration,
     begins: SyncSender<()>,
-) -> io::Result<()> {
+) -> Result<(), String> {
     let mut begins = Some(begins);
     // When the disk was asked last, and whether something waits for it.
     let (mut asked, mut waits) = (None::<Moment>, false);
@@ -139,16 +195,18 @@ fn write(
     loop {
         let rest = asked.map_or(Duration::ZERO, |asked| gather.saturating_sub(asked.elapsed()));
         let came = match waits {
-            false => news.recv().map_err(|_| RecvTimeoutError::Disconnected),
-            true => news.recv_timeout(rest),
+            false => news.next().map_err(|_| RecvTimeoutError::Disconnected),
+            true => news.next_within(rest),
         };
         match came {
-            Ok(first) => {
-                for state in std::iter::once(first).chain(news.try_iter()) {
+            Ok(Kept { state, cycles, lines }) => {
+                // What reached the modules before the state is known is there before it.
+                cycles.into_iter().for_each(|cycles| live(cycles, &lines));
+                if let Some(state) = state {
                     failed = book.write(&state).err();
                     drop(begins.take());
+                    waits = true;
                 }
-                waits = true;
             }
             Err(RecvTimeoutError::Timeout) => {
                 failed = book.sync().err().or(failed);
@@ -156,8 +214,79 @@ fn write(
             }
             Err(RecvTimeoutError::Disconnected) => {
                 let written = failed.map_or(Ok(()), Err);
-                return written.and_then(|()| book.sync().map(|_| ()));
+                return written.and_then(|()| book.sync().map(drop)).map_err(|error| error.to_string());
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use machine::Machine;
+    use protocol::{Cycle, MachineStatus, Truth};
+    use rig::journal::{Origin, latest};
+
+    use super::*;
+
+    /// A disk that takes one record, and the next ones when it is told to.
+    struct Standing {
+        bytes: Arc<Mutex<Vec<u8>>>,
+        answers: Receiver<()>,
+        first: bool,
+    }
+
+    impl Medium for Standing {
+        fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+            if !std::mem::take(&mut self.first) {
+                // Until nobody holds it any more.
+                let _ = self.answers.recv();
+            }
+            self.bytes.lock().expect("nobody panics").extend(bytes);
+            Ok(())
+        }
+
+        fn sync(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn replace(&mut self, bytes: &[u8]) -> io::Result<()> {
+            *self.bytes.lock().expect("nobody panics") = bytes.into();
+            Ok(())
+        }
+    }
+
+    /// Every cycle is an event, thousands more than wait for the disk: each goes on at once, the newest is
+    /// kept, and what reached the modules meanwhile is not lost.
+    #[test]
+    fn no_cycle_waits_for_a_journal_whose_disk_stands() {
+        const CYCLES: u64 = 20_000;
+        let (holds, answers) = sync_channel::<()>(0);
+        let (bytes, live) = (Arc::<Mutex<Vec<u8>>>::default(), Arc::<Mutex<(u64, usize)>>::default());
+        let medium = Standing { bytes: Arc::clone(&bytes), answers, first: true };
+        let keeper = Keeper::new(&Machine::plain(), Origin::default(), &[]);
+        let seen = Arc::clone(&live);
+        let seen = move |cycles, lines: &str| {
+            let mut seen = seen.lock().expect("nobody panics");
+            *seen = (cycles, seen.1 + lines.lines().count());
+        };
+        let journal = Journal::on(Book::new(medium), keeper, Arc::default(), seen, Duration::ZERO);
+        let (mut journal, mut collected) = (journal.expect("a thread"), Collector::new(true, 4));
+        for cycle in 0..CYCLES {
+            let truth = Truth { cycle: Cycle(cycle), ..Truth::default() };
+            let machine =
+                MachineStatus { cycle: truth.cycle, tool: cycle as u32, ..MachineStatus::default() };
+            collected.asked(cycle, Some(protocol::operator::Request::Stop));
+            journal.cycle(&Record { truth: &truth, axes: &[], machine: &machine }, &collected);
+        }
+        assert!(live.lock().expect("nobody panics").0 < CYCLES, "the disk did not stand");
+        drop(holds);
+        journal.finish(super::super::disk::DISK).expect("it is written");
+        let (_, state) = latest::<State>(&bytes.lock().expect("nobody panics")).expect("a whole record");
+        assert_eq!(u64::from(state.tool), CYCLES - 1);
+        let lines = collected.so_far().lines_from(0).lines().count();
+        assert_eq!(live.lock().expect("nobody panics").1, lines);
+        assert!(lines > 0);
     }
 }

@@ -4,6 +4,7 @@ mod args;
 mod channels;
 mod children;
 pub(crate) mod claim;
+mod disk;
 mod endings;
 pub(crate) mod folder;
 mod gives;
@@ -19,6 +20,7 @@ mod rendezvous;
 mod resumed;
 mod scenario;
 mod summed;
+mod traced;
 mod watchdog;
 
 use std::{path::PathBuf, process::ExitCode};
@@ -49,6 +51,7 @@ use folder::{RunFolder, Seen};
 use interrupts::Interrupts;
 pub(crate) use journal::JOURNAL;
 use keeps::Keeps;
+use recorder::Recorded;
 pub(crate) use recorder::axes;
 use resumed::Resumed;
 use scenario::can_be_played;
@@ -266,7 +269,7 @@ impl Prepared {
         let Prepared { mut setup, keeps, in_process, json } = self;
         let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
         live.as_mut().map_or(Ok(()), |live| live.prepared(&setup))?;
-        let (mut summary, unrecorded) = if in_process {
+        let Recorded { mut summary, failed: unrecorded, stands } = if in_process {
             in_process::run(&setup, caught)?
         } else {
             processes::run(&setup, caught, live.as_deref_mut())?
@@ -281,6 +284,16 @@ impl Prepared {
         summary.program_warnings = setup.program.warnings();
         if !setup.by_hand && !setup.folder.is_as_it_was() {
             endings::program_changed(&mut summary);
+        }
+        if stands {
+            let text = summed_up(&summary, None);
+            words::say(&format!(
+                "{text}pitchlock: the disk does not answer; summary and report wait for it\n"
+            ));
+            // Whoever does not want to wait for it need not.
+            if live.as_ref().is_none_or(|live| live.ends_with_its_run) {
+                drop(interrupts.take());
+            }
         }
         // Whatever cannot be written: what became of the run is said.
         let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);

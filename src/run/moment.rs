@@ -4,7 +4,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `moment.bin` | control cycles that are recorded, in steps of 64: a number of eight bytes, little-endian, and its complement |
+//! | `moment.bin` | control cycles that are recorded, in steps of at most 64: a number of eight bytes, little-endian, and its complement |
 //! | `arrivals.live` | the lines of `arrivals.txt` as it grows, each twice, with its number and a hash |
 
 use std::{
@@ -14,7 +14,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use rig::replay::{Arrivals, Collector};
+use rig::replay::Arrivals;
 
 use crate::error::CliError;
 
@@ -24,49 +24,46 @@ pub(crate) const LIVE: &str = "arrivals.live";
 /// Bytes of a number and its complement.
 const BYTES: usize = 16;
 /// Written every so many control cycles: in every one it would take a sixth of virtual speed.
-const EVERY: u64 = 64;
+pub(super) const EVERY: u64 = 64;
 
 /// The record of a machine that runs.
 pub(super) struct Live {
-    paths: [PathBuf; 2],
     moment: File,
     arrivals: File,
-    /// Changes that are written.
-    written: usize,
 }
 
 impl Live {
     /// A new record in a run folder.
     pub(super) fn create(folder: &Path, head: &str) -> Result<Live, CliError> {
-        let paths = [MOMENT, LIVE].map(|name| folder.join(name));
         let create = |path: &Path| File::create_new(path).map_err(|error| CliError::file(path, error));
-        let (moment, mut arrivals) = (create(&paths[0])?, create(&paths[1])?);
-        arrivals.write_all(head.as_bytes()).map_err(|error| CliError::file(&paths[1], error))?;
-        Ok(Live { paths, moment, arrivals, written: 0 })
+        let [moment, path] = paths(folder);
+        let (moment, mut arrivals) = (create(&moment)?, create(&path)?);
+        arrivals.write_all(head.as_bytes()).map_err(|error| CliError::file(&path, error))?;
+        Ok(Live { moment, arrivals })
     }
 
-    /// So many control cycles are recorded. A disk that is full costs what does not fit.
-    pub(super) fn cycle(&mut self, cycles: u64, collected: &Collector) {
-        let so_far = collected.so_far();
-        if so_far.changes.len() > self.written {
-            let _ = self.arrivals.write_all(so_far.lines_from(self.written).as_bytes());
-            self.written = so_far.changes.len();
-        }
-        if !cycles.is_multiple_of(EVERY) {
-            return;
+    /// So many control cycles are recorded, and these are the next lines of what reached the modules. A disk
+    /// that is full costs what does not fit.
+    pub(super) fn write(&mut self, cycles: u64, lines: &str) {
+        if !lines.is_empty() {
+            let _ = self.arrivals.write_all(lines.as_bytes());
         }
         let mut bytes = [0; BYTES];
         bytes[..BYTES / 2].copy_from_slice(&cycles.to_le_bytes());
         bytes[BYTES / 2..].copy_from_slice(&(!cycles).to_le_bytes());
         let _ = self.moment.write_all_at(&bytes, 0);
     }
+}
 
-    /// The run has ended, and all of it is kept elsewhere.
-    pub(super) fn remove(self) {
-        self.paths.iter().for_each(|path| {
-            let _ = fs::remove_file(path);
-        });
-    }
+fn paths(folder: &Path) -> [PathBuf; 2] {
+    [MOMENT, LIVE].map(|name| folder.join(name))
+}
+
+/// The run has ended, and all of it is kept elsewhere.
+pub(super) fn remove(folder: &Path) {
+    paths(folder).iter().for_each(|path| {
+        let _ = fs::remove_file(path);
+    });
 }
 
 /// Control cycles that were recorded of a run whose processes were killed, if that is known.

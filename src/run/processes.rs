@@ -52,7 +52,7 @@ pub(crate) fn run(
     rendezvous(&mut space, &channels, &mut started, interrupts, setup.watchdog_s)?;
     let mut by_hand = started.iter_mut().find_map(Started::takes_by_hand).map(Gives::new);
     by_hand.iter_mut().for_each(|gives| gives.give(&[hand::BEGINS]));
-    let recorder = Recorder::new(setup, false)?;
+    let recorder = Recorder::new(setup, false, interrupts.asked())?;
     let begun = Moment::now();
     space.start()?;
     let mut launch = Launch {
@@ -76,13 +76,13 @@ pub(crate) fn run(
     launch.run()?;
     let counts = launch.end()?;
     let Launch { recorder, channels, mut started, endings, .. } = launch;
-    let (mut summary, failed) = recorder.finish(&setup.folder.named, setup.clock);
+    let Recorded { mut summary, failed, stands } = recorder.finish(&setup.folder.named, setup.clock);
     summary.deadline_misses = channels.late_answers();
     summary.processes = started.iter().map(Started::report).collect();
     summary.real_time = started.iter_mut().filter_map(Started::said).collect();
     summary.channels = counts;
     endings.tell(&mut summary);
-    Ok((complete(summary, setup, begun), failed))
+    Ok(Recorded { summary: complete(summary, setup, begun), failed, stands })
 }
 
 /// What only the launcher knows of a run.

@@ -1,7 +1,11 @@
 //! Takes what the machine says of every control cycle to the observer, the journal, the trace and the
 //! progress bar.
 
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    sync::{Arc, atomic::AtomicBool},
+    time::Duration,
+};
 
 use machine::Machine;
 use process::shell::{Clock, Pace};
@@ -9,97 +13,119 @@ use protocol::{Axis, Input, Taken};
 use rig::{
     observe::{Observer, Record, Summary},
     replay::{Arrivals, Collector},
-    trace::{Row, TraceError, TraceWriter},
+    trace::{Row, TraceWriter},
 };
 
-use super::{Setup, folder::ARRIVALS, journal::Journal, moment::Live, progress::Progress};
+use super::{
+    Setup,
+    disk::{DISK, Unwritten},
+    folder::ARRIVALS,
+    journal::Journal,
+    moment,
+    progress::Progress,
+    traced::{Lost, Patience, Traced},
+};
 use crate::error::CliError;
 
-/// What a run was; and what could not be written of it.
-pub(crate) type Recorded = (Summary, Option<CliError>);
-
-/// What the system calls a disk, and a share of it, that is full: ENOSPC, EDQUOT.
-const FULL: [i32; 2] = [28, 122];
+/// What a run was, and what could not be written of it.
+pub(crate) struct Recorded {
+    /// What it was.
+    pub(crate) summary: Summary,
+    /// What could not be written.
+    pub(crate) failed: Option<CliError>,
+    /// The disk does not answer.
+    pub(crate) stands: bool,
+}
 
 /// Records one run.
 pub(crate) struct Recorder {
     observer: Observer,
-    trace: Option<TraceWriter>,
-    trace_path: Option<PathBuf>,
+    trace: Option<Traced>,
+    /// What became of the trace: the rows that it lacks, its hash.
+    lost: Lost,
+    hash: Option<String>,
     /// The journal, and how far the machine is; none where it is measured what they cost.
     journal: Option<Journal>,
-    /// What reached the modules otherwise than in lock step, and where that is kept.
+    /// What reached the modules otherwise than in lock step.
     pub(crate) arrivals: Collector,
-    kept: PathBuf,
-    live: Option<Live>,
+    folder: PathBuf,
     progress: Progress,
     cycle_s: f64,
     failed: Option<CliError>,
+    stands: bool,
 }
 
 impl Recorder {
-    /// A recorder that writes into the run folder.
-    pub(crate) fn new(setup: &Setup, one_process: bool) -> Result<Recorder, CliError> {
+    /// A recorder that writes into the run folder; `asked` tells that the operator wants something.
+    pub(crate) fn new(
+        setup: &Setup,
+        one_process: bool,
+        asked: &Arc<AtomicBool>,
+    ) -> Result<Recorder, CliError> {
         let axes: Vec<Axis> = axes(&setup.machine);
+        let fast = setup.clock == Clock::Virtual && setup.pace == Pace::MAX;
         let create = |format: rig::trace::Format| {
-            let trace = TraceWriter::create(&setup.folder.path.join(format.file_name()), format, &axes)?;
-            Ok::<_, CliError>(if setup.folder.every_cycle { trace } else { trace.thinned() })
+            let path = setup.folder.path.join(format.file_name());
+            let trace = TraceWriter::create(&path, format, &axes)?;
+            let trace = if setup.folder.every_cycle { trace } else { trace.thinned() };
+            let patience = Patience { waits: fast, asked: Arc::clone(asked) };
+            Traced::start(&path, trace, patience).map_err(|error| CliError::Machine(error.to_string()))
         };
         let head = Arrivals::head(one_process, setup.clock == Clock::Real, setup.seed);
         let observer = setup.program.observer(&setup.machine);
-        let kept = !setup.unkept;
-        let fast = setup.clock == Clock::Virtual && setup.pace == Pace::MAX;
+        let journal = || Journal::create(&setup.folder.path, setup.keeper(), &head, fast, Arc::clone(asked));
         Ok(Recorder {
             observer: match setup.resumed.as_ref() {
                 Some(resumed) => observer.going_on(resumed.observer.clone()).resumed(resumed.report.clone()),
                 None => observer,
             },
-            trace_path: setup.folder.trace.map(|format| setup.folder.path.join(format.file_name())),
             trace: setup.folder.trace.map(create).transpose()?,
-            journal: kept.then(|| Journal::create(&setup.folder.path, setup.keeper(), fast)).transpose()?,
+            lost: Lost::default(),
+            hash: None,
+            journal: (!setup.unkept).then(journal).transpose()?,
             arrivals: Collector::new(one_process, setup.machine.cycles_per_tick()),
-            kept: setup.folder.path.join(ARRIVALS),
-            live: kept.then(|| Live::create(&setup.folder.path, &head)).transpose()?,
+            folder: setup.folder.path.clone(),
             progress: Progress::new(setup),
             cycle_s: setup.machine.general.cycle_s,
             failed: None,
+            stands: false,
         })
     }
 
     /// Takes one control cycle. A trace that cannot be written (a full disk) is given up, not the run.
     pub(crate) fn cycle(&mut self, record: &Record) {
         if let Some(journal) = &mut self.journal {
-            journal.cycle(record);
+            self.arrivals.cycle(record);
+            journal.cycle(record, &self.arrivals);
         }
         let told = self.observer.told().len();
         self.observer.cycle(record);
-        if let Some(live) = &mut self.live {
-            self.arrivals.cycle(record);
-            live.cycle(record.truth.cycle.0 + 1, &self.arrivals);
-        }
         for message in &self.observer.told()[told..] {
             self.progress.say(&format!("line {}: {}", message.line, message.text));
         }
         if let Some(trace) = &mut self.trace
-            && let Err(error) = trace.row(&Row::of(record, &self.observer, self.cycle_s))
+            && !trace.row(Row::of(record, &self.observer, self.cycle_s))
         {
-            self.progress.say(&format!("{error}; the run goes on without a trace"));
-            self.trace = None;
-            self.give_up_trace(&error);
-            self.failed = Some(error.into());
+            self.end_of_trace();
+            if let Some(error) = &self.failed {
+                self.progress.say(&format!("{error}; the run goes on without a trace"));
+            }
         }
         self.progress.cycle(record);
     }
 
-    /// A trace that has no room any more goes: its room is that of the journal and the rest.
-    fn give_up_trace(&self, error: &TraceError) {
-        let (text, full) =
-            (error.to_string(), FULL.map(|code| std::io::Error::from_raw_os_error(code).to_string()));
-        if let Some(path) = &self.trace_path
-            && full.iter().any(|full| text.contains(full.as_str()))
-        {
-            let _ = std::fs::remove_file(path);
+    /// Completes the trace, if there is one, or notes why it is not whole.
+    fn end_of_trace(&mut self) {
+        if let Some((hash, lost)) = self.trace.take().map(Traced::finish) {
+            self.lost = lost;
+            self.hash = hash.map_err(|error| self.fails("the trace: ", error)).ok();
         }
+    }
+
+    /// Notes what could not be written; the first counts.
+    fn fails(&mut self, what: &str, why: Unwritten) {
+        self.stands |= matches!(why, Unwritten::Stands);
+        self.failed.get_or_insert(CliError::Machine(format!("{what}{why}")));
     }
 
     /// What has been observed so far.
@@ -121,21 +147,32 @@ impl Recorder {
 
     /// Ends the recording; and why there is no trace of all of it, if there is none.
     pub(crate) fn finish(mut self, program: &str, clock: Clock) -> Recorded {
-        let finished = self.trace.take().map(TraceWriter::finish).transpose();
-        if let Err(error) = &finished {
-            self.give_up_trace(error);
-        }
+        self.end_of_trace();
         self.progress.finish();
-        let (hash, unfinished) = finished.map_or_else(|error| (None, Some(error)), |hash| (hash, None));
-        let unwritten = self.journal.and_then(|journal| journal.finish().err());
-        let unwritten = unwritten.map(|error| CliError::Machine(format!("the journal: {error}")));
-        let kept = self.live.and_then(|live| {
-            let kept = intake::replace(&self.kept, self.arrivals.finish().text().as_bytes());
-            kept.map(|()| live.remove()).map_err(|error| CliError::file(&self.kept, error)).err()
-        });
-        let failed = self.failed.or(unfinished.map(CliError::from)).or(unwritten).or(kept);
-        let summary = self.observer.finish().summary(program, clock_name(clock));
-        (Summary { trace_file_hash: hash, ..summary }, failed)
+        if let Some(journal) = self.journal.take() {
+            // A disk that does not answer is not waited for twice.
+            let patience = if self.stands { Duration::ZERO } else { DISK };
+            journal.finish(patience).unwrap_or_else(|error| self.fails("the journal: ", error));
+            // Of a disk that does not answer, the record of a run that was broken off is left.
+            if !self.stands
+                && let Err(error) = self.keep_arrivals()
+            {
+                self.failed.get_or_insert(error);
+            }
+        }
+        let mut summary = self.observer.finish().summary(program, clock_name(clock));
+        summary.warnings.extend(self.lost.told());
+        summary.trace_file_hash = self.hash;
+        Recorded { summary, failed: self.failed, stands: self.stands }
+    }
+
+    /// What reached the modules, as a whole file.
+    fn keep_arrivals(&mut self) -> Result<(), CliError> {
+        let kept = self.folder.join(ARRIVALS);
+        let replaced = intake::replace(&kept, self.arrivals.so_far().text().as_bytes());
+        replaced.map_err(|error| CliError::file(&kept, error))?;
+        moment::remove(&self.folder);
+        Ok(())
     }
 }
 

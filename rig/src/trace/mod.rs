@@ -130,16 +130,15 @@ impl TraceWriter {
         written.map_err(|error| TraceError::new(&self.path, error))
     }
 
-    /// Completes the file, and gives its [`hash_of`]. A trace that is dropped instead may lack its end.
+    /// Completes the file. A trace that is dropped instead may lack its end.
     ///
     /// # Errors
     /// Names the file and why it cannot be written.
-    pub fn finish(self) -> Result<String, TraceError> {
+    pub fn finish(self) -> Result<(), TraceError> {
         let TraceWriter { path, mut writer, thin } = self;
         let written = thin.map_or(Ok(()), |mut thin| thin.finish(|row| writer.row(row)));
         let written = written.and_then(|()| Ok(writer.finish()?.into_inner()?));
-        written.map_err(|error| TraceError::new(&path, error))?;
-        hash_of(&path)
+        written.map(drop).map_err(|error| TraceError::new(&path, error))
     }
 }
 
