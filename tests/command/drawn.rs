@@ -27,7 +27,7 @@ fn text(name: &str) -> String {
 }
 
 /// Every example that cuts a thread and needs nothing besides; the bolt of the first hour has its page.
-const THREADS: [&str; 19] = [
+const THREADS: [&str; 20] = [
     "m20x2.ngc",
     "internal-m30.ngc",
     "varied.ngc",
@@ -43,6 +43,7 @@ const THREADS: [&str; 19] = [
     "fanuc/taper-g32.nc",
     "fanuc/variable-lead.nc",
     "fanuc/barrel.nc",
+    "fanuc/domed-face.nc",
     "fanuc/two-starts.nc",
     "fanuc/grooves-macro.nc",
     "fanuc/tap-peck.nc",
@@ -82,6 +83,8 @@ fn an_example_that_is_cut_otherwise_is_refused_for_what_is_wrong() {
         ("scroll.ngc", ["G0 Z-1\n", "G0 Z-0.96\n"], "too shallow"),
         ("fanuc/variable-lead.nc", ["F3. K0.2", "F3. K0.19"], "lead "),
         ("fanuc/barrel.nc", ["R150. F2.", "R155. F2."], "too "),
+        ("fanuc/domed-face.nc", ["R200. F4.", "R210. F4."], "too "),
+        ("fanuc/domed-face.nc", ["R200. F4.", "R200. F4.01"], "lead "),
         ("fanuc/taper-g32.nc", ["[9.5+6.]/16", "[9.5+6.]/15"], "too deep"),
         ("fanuc/two-starts.nc", ["Q180000", "Q170000"], "starts "),
         ("lead-table.ngc", ["lead_table, Z-18 K2, Z-28", "lead_table, Z-18 K2, Z-29"], " short over "),

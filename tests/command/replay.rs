@@ -34,7 +34,7 @@ pub(crate) fn arrivals(place: &Place, folder: &str) -> Vec<String> {
 }
 
 /// All examples, each with its machine; the first three are made again in every run of the tests.
-const EXAMPLES: [(&str, &str); 32] = [
+const EXAMPLES: [(&str, &str); 33] = [
     ("fanuc/shaft-m24.nc", "machines/small-lathe"),
     ("mill/contour.ngc", "machines/small-mill"),
     ("positioner/points.toml", "machines/positioner"),
@@ -55,6 +55,7 @@ const EXAMPLES: [(&str, &str); 32] = [
     ("fanuc/grooves-macro.nc", "machines/small-lathe"),
     ("fanuc/variable-lead.nc", "machines/small-lathe"),
     ("fanuc/barrel.nc", "machines/small-lathe"),
+    ("fanuc/domed-face.nc", "machines/small-lathe"),
     ("fanuc/two-starts.nc", "machines/small-lathe"),
     ("mill/circle.ngc", "machines/small-mill"),
     ("mill/tap-m6.ngc", "machines/small-mill"),

@@ -18,12 +18,16 @@ use super::cut::{Along, Cut, Point};
 
 /// Leads and growths that differ by less are one, mm.
 const SAME: f64 = 1e-12;
+/// A line that moves Z by less does not move it, mm: the quantum of the wire.
+const NO_WAY: f64 = 1e-9;
 
 /// One thread of a chain, or a piece of one along an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Leg {
     /// Line of the program.
     pub(crate) line: u32,
+    /// The axis along which it runs.
+    pub(crate) along: Along,
     /// Where it ends, mm, X a radius.
     pub(crate) to: Point,
     /// Signed leads where it begins, mm/rev.
@@ -69,7 +73,7 @@ pub(crate) enum Broken {
     TooMany,
     /// An arc takes so many pieces, and a pass has fewer.
     TooRound(usize),
-    /// An arc is steeper against Z than its lead along Z allows.
+    /// An arc is steeper than 45 degrees against Z in one place, and against X in another.
     Steep,
     /// It does not go on in the direction of the first leg along this axis.
     Turns(Along),
@@ -77,7 +81,7 @@ pub(crate) enum Broken {
 
 impl Leg {
     /// A line from a point: `k_mm` is its lead along the path where it begins, which grows by `growth_mm` in
-    /// every turn (M219).
+    /// every turn (M219). It runs along X where it does not move Z.
     ///
     /// # Errors
     /// The lead gets to nothing before it ends.
@@ -96,7 +100,15 @@ impl Leg {
         let turns = 2.0 * length / (k_mm + square.sqrt());
         let direction = times(way, 1.0 / length);
         let (lead, growth) = (times(direction, k_mm), times(direction, growth_mm));
-        Ok(Leg { line, to, lead, growth, turns, within: false })
+        let along = if way.z.abs() < NO_WAY { Along::X } else { Along::Z };
+        Ok(Leg { line, along, to, lead, growth, turns, within: false })
+    }
+
+    /// The same with the two axes exchanged: of one along Z the one on a face.
+    pub(crate) fn exchanged(self) -> Leg {
+        let along = if self.along == Along::Z { Along::X } else { Along::Z };
+        let [to, lead, growth] = [self.to, self.lead, self.growth].map(Point::exchanged);
+        Leg { along, to, lead, growth, ..self }
     }
 
     /// Its leads where it ends, mm/rev.

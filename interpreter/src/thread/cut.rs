@@ -16,6 +16,13 @@ pub struct Point {
     pub z: f64,
 }
 
+impl Point {
+    /// With the two axes exchanged.
+    pub(crate) fn exchanged(self) -> Point {
+        Point { x: self.z, z: self.x }
+    }
+}
+
 /// The axis along which a thread runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Along {

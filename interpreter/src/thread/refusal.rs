@@ -222,8 +222,8 @@ impl Broken {
                 "cut less of the arc, or write it as a chain of short G32".to_owned(),
             ),
             Broken::Steep => (
-                "a thread along an arc has its lead along Z, and this arc is steeper than 45 degrees to Z, or turns \
-                 back along it"
+                "a thread along an arc has its lead along Z or, on a face, along X, and this arc gets steeper than \
+                 45 degrees to either, or turns back"
                     .to_owned(),
                 "end it where it is at 45 degrees; and look at G35 and G36, centre and radius: clockwise is as in \
                  G02"

@@ -1,5 +1,6 @@
 //! Threads along an arc: as few legs as follow it. In: ends and centre, mm, the lead along Z, mm/rev. Out:
-//! legs, of which Z keeps its lead and X is a parabola.
+//! legs, of which Z keeps its lead and X is a parabola. An arc that is nowhere steeper than 45 degrees to X
+//! is one on a face: the same with the two axes exchanged.
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
@@ -16,7 +17,7 @@
 use motion::MOST_CHANGES;
 
 use super::chain::{Broken, Leg};
-use super::cut::Point;
+use super::cut::{Along, Point};
 
 /// How far pieces may be off the arc, mm: the first that takes few enough.
 const OFF_MM: [f64; 2] = [0.0002, 0.0005];
@@ -122,11 +123,22 @@ impl Arc {
 }
 
 impl Round {
-    /// The legs of a thread along an arc from a point to another, whose lead along Z is `lead_mm`.
+    /// The legs of a thread along an arc from a point to another, whose lead is `lead_mm` along Z, or along X
+    /// where it lies on a face.
     ///
     /// # Errors
-    /// It is steeper than 45 degrees against Z anywhere, or takes more pieces than a pass has.
-    pub(crate) fn legs(&self, line: u32, [from, to]: [Point; 2], lead_mm: f64) -> Result<Vec<Leg>, Broken> {
+    /// It is steeper than 45 degrees against either axis anywhere, or takes more pieces than a pass has.
+    pub(crate) fn legs(&self, line: u32, ends: [Point; 2], lead_mm: f64) -> Result<Vec<Leg>, Broken> {
+        let legs = self.along_z(line, ends, lead_mm);
+        if legs != Err(Broken::Steep) {
+            return legs;
+        }
+        let exchanged = Round { centre: self.centre.exchanged(), counterclockwise: !self.counterclockwise };
+        let legs = exchanged.along_z(line, ends.map(Point::exchanged), lead_mm)?;
+        Ok(legs.into_iter().map(Leg::exchanged).collect())
+    }
+
+    fn along_z(&self, line: u32, [from, to]: [Point; 2], lead_mm: f64) -> Result<Vec<Leg>, Broken> {
         let arc = self.arc([from, to])?;
         let mut least = Err(0);
         for most_mm in OFF_MM {
@@ -149,6 +161,7 @@ impl Round {
                 at = z;
                 Leg {
                     line,
+                    along: Along::Z,
                     to: Point { x: x1, z },
                     lead: Point { x: lead, z: lead_z },
                     growth: Point { x: growth, z: 0.0 },
@@ -180,7 +193,8 @@ mod tests {
     use super::*;
     use testing::Seed;
 
-    /// Whatever the arc: its legs follow each other, end where it ends, and are no farther off than they may.
+    /// Whatever the arc, along Z or on a face: its legs follow each other, end where it ends, and are no
+    /// farther off than they may.
     #[test]
     fn legs_follow_the_circle() {
         let (mut worst, mut most, mut refused) = (0.0_f64, 0, 0);
@@ -190,13 +204,15 @@ mod tests {
             let angle = |unit: f64| (90.0 * unit - 45.0).to_radians();
             let [a, b] = [angle(seed.unit()), angle(seed.unit())];
             let side = if case % 2 == 0 { 1.0 } else { -1.0 };
-            let centre = Point { x: 30.0, z: -7.0 };
-            let on = |a: f64| Point {
-                x: centre.x + side * radius * libm::cos(a),
-                z: centre.z + radius * libm::sin(a),
+            let (face, centre) = (case % 4 > 1, Point { x: 30.0, z: -7.0 });
+            let on = |a: f64| {
+                let [across, along] = [side * radius * libm::cos(a), radius * libm::sin(a)];
+                let [x, z] = if face { [along, across] } else { [across, along] };
+                Point { x: centre.x + x, z: centre.z + z }
             };
             let (from, to, lead_mm) = (on(a), on(b), 0.5 + 3.0 * seed.unit());
-            let counterclockwise = (to.z > from.z) == (side < 0.0);
+            // From Z+ to X+ is the other way round from X+ to Z+.
+            let counterclockwise = ((b > a) == (side < 0.0)) != face;
             let round = Round { centre, counterclockwise };
             let legs = match round.legs(7, [from, to], lead_mm) {
                 Ok(legs) => legs,
@@ -213,14 +229,15 @@ mod tests {
                 for step in 0..=32 {
                     let n = leg.turns * f64::from(step) / 32.0;
                     let x = at.x + leg.lead.x * n + 0.5 * leg.growth.x * n * n;
-                    let z = at.z + leg.lead.z * n;
+                    let z = at.z + leg.lead.z * n + 0.5 * leg.growth.z * n * n;
                     worst = worst.max((libm::hypot(x - centre.x, z - centre.z) - radius).abs());
-                    assert_eq!(leg.growth.z, 0.0);
-                    assert!((leg.lead.z.abs() - lead_mm).abs() < 1e-12);
+                    assert_eq!(leg.along, if face { Along::X } else { Along::Z });
+                    assert_eq!(leg.along.of(leg.growth), 0.0);
+                    assert!((leg.along.of(leg.lead).abs() - lead_mm).abs() < 1e-12);
                 }
                 at = leg.to;
             }
-            assert!((at.x - to.x).abs() < 1e-9 && (at.z - to.z).abs() < 1e-12, "case {case}");
+            assert!((at.x - to.x).abs() < 1e-9 && (at.z - to.z).abs() < 1e-9, "case {case}");
             let back = Round { counterclockwise: !counterclockwise, ..round };
             assert_eq!(back.legs(7, [from, to], lead_mm), Err(Broken::Steep), "the other way round");
         }
@@ -239,9 +256,10 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_that_is_steeper_than_45_degrees_is_refused() {
+    fn an_arc_that_is_steep_against_both_axes_is_refused() {
         assert!(legs(8.0, 45.0, 135.0).is_ok() && legs(8.0, -45.0, -135.0).is_ok());
-        for (from, to) in [(44.0, 135.0), (50.0, 140.0), (-10.0, 10.0), (45.0, -45.0)] {
+        assert!(legs(8.0, 45.0, -45.0).is_ok() && legs(8.0, 135.0, 225.0).is_ok(), "on a face");
+        for (from, to) in [(44.0, 135.0), (50.0, 140.0), (-10.0, 46.0), (46.0, -45.0)] {
             assert_eq!(legs(8.0, from, to), Err(Broken::Steep), "{from} to {to}");
         }
     }

@@ -2,14 +2,14 @@
 //! axis that lifts the tool. Out: a [`Cut`].
 //!
 //! K is the advance per revolution along the path: on a taper of half angle φ the lead of Z is K cos φ, that
-//! of X K sin φ. Along an arc it is that along Z.
+//! of X K sin φ. Along an arc it is that along Z, or along X.
 
 use gcode::canon::Units;
 
 use super::chain::{Broken, Chain, Leg};
 use super::cut::{Along, Cut, Point};
 
-/// A path that moves Z by less does not move it, mm: the quantum of the wire.
+/// A path that moves an axis by less does not move it, mm: the quantum of the wire.
 const SAME: f64 = 1e-9;
 
 /// A tool that has gone this many leads away from the path is out of any thread profile: those are less than
@@ -46,9 +46,9 @@ pub(crate) enum Next {
 }
 
 impl Single {
-    /// The axis along which it runs: X where the path does not move Z.
+    /// The axis along which it runs: that of its first leg.
     pub(crate) fn along(&self) -> Along {
-        along([self.from, self.legs.first().map_or(self.from, |leg| leg.to)])
+        self.legs.first().map_or(Along::Z, |leg| leg.along)
     }
 
     /// Where it ends.
@@ -62,7 +62,7 @@ impl Single {
         let first = self.legs.first().map_or(self.from, |leg| leg.to);
         let way = |from: Point, to: Point| along.of(to) - along.of(from);
         let (one, other) = (way(self.from, first), way(self.to(), leg.to));
-        if one * other <= 0.0 || other.abs() < SAME || along != self::along([self.to(), leg.to]) {
+        if one * other <= 0.0 || other.abs() < SAME || along != leg.along {
             return Some(Broken::Turns(along));
         }
         let legs: Vec<Leg> = self.legs.iter().chain([leg]).copied().collect();
@@ -102,9 +102,4 @@ impl Single {
             exit: None,
         }
     }
-}
-
-/// The axis along which a path runs.
-fn along([from, to]: [Point; 2]) -> Along {
-    if (to.z - from.z).abs() < SAME { Along::X } else { Along::Z }
 }

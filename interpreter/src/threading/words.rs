@@ -54,7 +54,9 @@ pub(crate) fn single(
     };
     let legs = legs.and_then(|legs| Chain::of(&legs).map(|_| legs));
     let legs = legs.map_err(|why| why.problem(turning.frame.units))?;
-    legs.iter().try_for_each(|leg| within_travel(machine, Axis::X, leg.to.x, Blame::Block))?;
+    for (axis, at) in legs.iter().flat_map(|leg| [(Axis::X, leg.to.x), (Axis::Z, leg.to.z)]) {
+        within_travel(machine, axis, at, Blame::Block)?;
+    }
     Ok(Single {
         s_rpm,
         direction,

@@ -289,9 +289,11 @@ impl ThreadPass {
         self.corners.iter().take_while(|corner| corner.dc_deg != 0.0)
     }
 
-    /// The axis along which the thread runs: Z, on a cone too; X of a thread on a face.
+    /// The axis along which the thread runs: Z, on a cone too; X of a thread on a face, where Z lifts the
+    /// tool and may follow an arc.
     pub fn along(&self) -> Axis {
-        if self.axis(Axis::Z).is_led() { Axis::Z } else { Axis::X }
+        let lifts_z = self.out.axis as usize == Axis::Z.index();
+        if lifts_z != self.returns() { Axis::X } else { Axis::Z }
     }
 
     /// Whether it is a tap: in and out again on one helix, through the reversal of the spindle.

@@ -203,7 +203,10 @@ const ARC_UM: [f64; 2] = [0.6, 10.0];
 /// The slides of a machine that has neither.
 const EXACT_UM: f64 = 2.0;
 
-/// A barrel, in FANUC's words: its program, and the centre and radius of the arc, mm.
+/// A program of an arc at a speed, and the centre and radius of the arc, mm.
+type Drawn = fn(&mut Seed, f64) -> (String, [f64; 3]);
+
+/// A barrel, in FANUC's words.
 fn barrel(seed: &mut Seed, s_rpm: f64) -> (String, [f64; 3]) {
     let lead = 0.8 + 0.1 * seed.below(12) as f64;
     let turns = 12.0 + s_rpm / 60.0 * 0.7;
@@ -223,33 +226,57 @@ fn barrel(seed: &mut Seed, s_rpm: f64) -> (String, [f64; 3]) {
     (program, [centre_x, crown, radius])
 }
 
+/// The same on a face, as a dome: X has the lead, from the inside outwards, and Z follows the arc.
+fn dome(seed: &mut Seed, s_rpm: f64) -> (String, [f64; 3]) {
+    let lead = 0.8 + 0.1 * seed.below(8) as f64;
+    let length = lead * (12.0 + s_rpm / 60.0 * 0.7);
+    let radius = length * (1.5 + 4.0 * seed.unit());
+    let (from, crown) = (12.0, 12.0 + length * (0.3 + 0.4 * seed.unit()));
+    let centre_z = -1.0 - radius;
+    let z_at = |x: f64| centre_z + (radius * radius - (x - crown) * (x - crown)).sqrt();
+    let program = format!(
+        "%\nO0001\nG97 S{s_rpm} M03\nG00 X{:.9} Z30.\nG00 Z{:.9}\nG36 X{:.9} Z{:.9} R{radius:.9} F{lead:.9}\nG00 Z30.\n\
+         M30\n%\n",
+        2.0 * from,
+        z_at(from),
+        2.0 * (from + length),
+        z_at(from + length)
+    );
+    (program, [crown, centre_z, radius])
+}
+
 /// The most that commands and slides are off so many arcs, µm, whatever the speed and the override.
-fn off_arcs(machine: &Machine, count: u64, may_be_um: [f64; 2]) -> [f64; 2] {
+fn off_arcs(machine: &Machine, count: u64, may_be_um: [f64; 2], drawn: Drawn) -> [f64; 2] {
     let mut worst = [0.0f64; 2];
     for case in 0..count {
         let mut seed = Seed::of_case(case);
         let s_rpm = (50.0 * libm::pow(20.0, seed.unit())).round();
-        let (program, [x, z, radius]) = barrel(&mut seed, s_rpm);
+        let (program, [x, z, radius]) = drawn(&mut seed, s_rpm);
         let items = compiled(machine, &program);
         let pass: ThreadPass = items
             .iter()
             .find_map(|item| if let Code::Pass(pass) = &item.code { Some(*pass) } else { None })
             .expect("a thread");
-        let locked_deg = pass.axis(Axis::Z).run_in_c0_deg + pass.axis(Axis::Z).run_in_dc_deg;
+        let leads = pass.along();
+        let locked_deg = pass.axis(leads).run_in_c0_deg + pass.axis(leads).run_in_dc_deg;
         let stops_deg = pass.corners().last().expect("it grows to its end").c_deg;
         let presses = overrides(&mut seed);
         let mut pressed = presses.iter().peekable();
         let (mut most, mut looks) = ([0.0f64; 2], 0);
         let stand = Stand { machine, items: &items, scenario: "", seed: case + 1 };
         let observation = stand.run(|record| {
-            let (_, status) = record.axes.iter().find(|(axis, _)| *axis == Axis::Z).expect("a lathe");
+            let status_of = |asked: Axis| {
+                let found = record.axes.iter().find(|(axis, _)| *axis == asked);
+                &found.expect("a lathe").1
+            };
+            let status = status_of(leads);
             let c = status.angle_deg;
             let in_pass = status.pass == pass.pass && status.state() >= AxisState::Locked;
             if in_pass && (locked_deg..stops_deg.min(pass.thread_end_deg)).contains(&c) {
                 let off = |[at_x, at_z]: [f64; 2]| 1e3 * (libm::hypot(at_x - x, at_z - z) - radius).abs();
-                let (_, across) = record.axes.iter().find(|(axis, _)| *axis == Axis::X).expect("a lathe");
+                let commands = [Axis::X, Axis::Z].map(|axis| status_of(axis).commanded_mm);
                 let slides = [Axis::X, Axis::Z].map(|axis| record.truth.axes[axis.index()].slide_mm);
-                let now = [off([across.commanded_mm, status.commanded_mm]), off(slides)];
+                let now = [off(commands), off(slides)];
                 most = [0, 1].map(|i| most[i].max(now[i]));
                 looks += 1;
             }
@@ -261,7 +288,7 @@ fn off_arcs(machine: &Machine, count: u64, may_be_um: [f64; 2]) -> [f64; 2] {
         let near = most[0] <= may_be_um[0] && most[1] <= may_be_um[1];
         assert!(near, "case {case}, S{s_rpm}: {most:?} um\n{program}");
         let lead_um = observation.passes[0].lead_error_um_per_rev;
-        assert!(lead_um.abs() < 0.1, "case {case}: the lead of Z is off by {lead_um} um");
+        assert!(lead_um.abs() < 0.1, "case {case}: the lead is off by {lead_um} um");
         worst = [0, 1].map(|i| worst[i].max(most[i]));
     }
     let [driven, slide] = worst;
@@ -269,12 +296,13 @@ fn off_arcs(machine: &Machine, count: u64, may_be_um: [f64; 2]) -> [f64; 2] {
     worst
 }
 
-/// On the arc, and Z on its lead: at the tool.
+/// On the arc, and the axis along it on its lead: at the tool.
 #[test]
 fn a_thread_along_an_arc_lies_on_its_circle_at_any_speed_and_override() {
     let mut machine = Machine::default();
     machine.general.dialect = ProgramDialect::Fanuc;
-    off_arcs(&machine, testing::count("PITCHLOCK_CHAINS", 40), ARC_UM);
+    off_arcs(&machine, testing::count("PITCHLOCK_CHAINS", 40), ARC_UM, barrel);
+    off_arcs(&machine, testing::count("PITCHLOCK_CHAINS", 10), ARC_UM, dome);
 }
 
 /// What the slides are off is the reference of the axes and the friction of the guides, not the law.
@@ -291,7 +319,8 @@ fn without_friction_and_with_a_true_reference_the_slides_are_on_the_arc() {
     });
     let mut machine = Machine::from_toml(&text).expect("a machine");
     machine.general.dialect = ProgramDialect::Fanuc;
-    let [_, slides] = off_arcs(&machine, 6, [ARC_UM[0], EXACT_UM]);
-    let [_, hard] = off_arcs(&Machine { general: machine.general.clone(), ..Machine::default() }, 6, ARC_UM);
+    let [_, slides] = off_arcs(&machine, 6, [ARC_UM[0], EXACT_UM], barrel);
+    let [_, hard] =
+        off_arcs(&Machine { general: machine.general.clone(), ..Machine::default() }, 6, ARC_UM, barrel);
     assert!(hard > slides + 5.0, "{hard} and {slides}");
 }

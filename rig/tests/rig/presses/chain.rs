@@ -53,7 +53,7 @@ fn presses_in_a_chain_on_a_face() {
     at_random("chain on a face", FACE, 24);
 }
 
-/// A barrel between two cylinders, and a hollow: threads along arcs, in FANUC's words.
+/// A barrel between two cylinders, a hollow, the same on a face: threads along arcs, in FANUC's words.
 #[test]
 fn presses_in_threads_along_arcs() {
     let fanuc = |policy| {
@@ -71,6 +71,14 @@ fn presses_in_threads_along_arcs() {
         at_random_on("barrel", &of(s_rpm, "G36 X20. Z-18. R20. F1."), fanuc, 12);
         at_random_on("hollow", &of(s_rpm, "G35 X20. Z-18. R40. F1."), fanuc, 12);
     }
+    let of = |arc: &str| {
+        format!(
+            "%\nO0001\nG97 S300 M03\nG00 X24. Z4.\nG00 Z-0.6\nG32 X34. F1.\n{arc} X52. Z-0.6 R20. F1.\nG32 X64. F1.5\n\
+             G00 Z4.\nX24.\nM30\n%\n"
+        )
+    };
+    at_random_on("dome on a face", &of("G36"), fanuc, 12);
+    at_random_on("hollow on a face", &of("G35"), fanuc, 12);
 }
 
 /// The cycles in which an undisturbed run is at the borders and the corner of each window.
