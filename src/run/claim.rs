@@ -1,10 +1,12 @@
 //! The claim of a run to its folder: nobody else writes into it, it has room for the summary, and a run that
 //! came to nothing leaves none behind.
 
-use std::fs::{self, DirBuilder, File, TryLockError};
+use std::fs::{self, DirBuilder, File, Metadata, TryLockError};
+use std::io;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
 
+use process::ipc::computer;
 use rig::trace;
 
 use super::args::RunArgs;
@@ -40,6 +42,7 @@ impl Claim {
             Some(path) => {
                 // Another run is named as such, and not as files.
                 let there = path.is_dir().then(|| lock(path)).transpose()?;
+                there.as_ref().map_or(Ok(()), |folder| is_own(path, folder))?;
                 written::empty(path)?;
                 private(true).create(path).map_err(|error| CliError::file(path, error))?;
                 let made = there.is_none();
@@ -89,6 +92,19 @@ fn private(recursive: bool) -> DirBuilder {
     let mut builder = DirBuilder::new();
     builder.recursive(recursive).mode(0o700);
     builder
+}
+
+/// Refuses a folder in which somebody else may put another program in the place of the one that was checked.
+fn is_own(path: &Path, folder: &File) -> Result<(), CliError> {
+    let own = |found: io::Result<Metadata>| found.map(|found| computer::is_own(&found));
+    let both = own(fs::symlink_metadata(path)).and_then(|named| Ok(named && own(folder.metadata())?));
+    match both.map_err(|error| CliError::file(path, error))? {
+        true => Ok(()),
+        false => {
+            let text = "is another user's, or others may write into it, and they could change the run: name a folder of your own";
+            Err(CliError::file(path, text))
+        }
+    }
 }
 
 /// Whether a run still writes into a folder.

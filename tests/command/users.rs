@@ -157,6 +157,28 @@ fn squatted_names_hinder_no_panel() {
     assert!(told.contains("panel: http://"), "{told}");
 }
 
+/// Whoever may change what is in a folder may put another program into a run: `--out` takes no folder of
+/// somebody else, no link of his, none that is open to everybody, and leaves it as it is.
+#[test]
+fn a_folder_that_others_may_change_is_no_run_folder() {
+    if !can_be_private("a_folder_that_others_may_change_is_no_run_folder") {
+        return;
+    }
+    let place = place();
+    let told = script(
+        &place,
+        "other mkdir -m 777 $TMPDIR/his; victim mkdir -m 700 own link; other ln -s $PWD/link $TMPDIR/link
+         victim mkdir open; victim chmod 777 open; run $TMPDIR/his; run $TMPDIR/link; run open; run own
+         cat $TMPDIR/his.log; echo left $(ls $TMPDIR/his; ls link; ls open)",
+    );
+    for word in
+        ["/his 2", "/link 2", "open 2", "own 0", "/his: is another user's, or others may write into it"]
+    {
+        assert!(told.contains(word), "{word}: {told}");
+    }
+    assert!(told.contains("left\n"), "{told}");
+}
+
 /// Files beside those of a run, under its prefix, stay where they are, and the run is wiped around them.
 #[test]
 fn planted_files_hinder_no_wipe() {

@@ -25,6 +25,12 @@ const FILES: u64 = 120;
 /// The same for each axis.
 const FILES_OF_AXIS: u64 = 24;
 
+/// Whether a folder, or a link to one, is this user's, and not one in which everybody may change what is
+/// there.
+pub fn is_own(found: &fs::Metadata) -> bool {
+    found.uid() == getuid().as_raw() && (found.is_symlink() || found.mode() & 0o002 == 0)
+}
+
 /// Files that a process of a machine with these axes has open at once, at most.
 pub fn files(axes: &[Axis]) -> u64 {
     FILES + FILES_OF_AXIS * axes.len() as u64
