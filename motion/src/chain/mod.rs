@@ -12,7 +12,8 @@
 //! | `chain/sweep.rs` | bounds of a line with its blends (M173) |
 //! | `chain/zone.rs` | limits of the feed over a stretch, from the bends of the path (M66) |
 //! | `chain/allowance.rs` | these limits by speed (M179) |
-//! | `chain/section.rs` | the look-ahead over stretches (M24, M26, M196) |
+//! | `chain/section.rs` | stretches with one set of limits |
+//! | `chain/ahead.rs` | the look-ahead over them (M24, M26, M196) |
 //! | `chain/span.rs` | how many of them the next law passes (M197) |
 //! | `chain/steer.rs` | the decision which law s(t) follows next (M23, M64) |
 //! | `chain/law.rs` | the law, and the check before it is released |
@@ -26,6 +27,7 @@
 //! from which the machine can stop on what is known of the path: that is what the hard pass of the look-ahead
 //! guarantees.
 
+mod ahead;
 mod allowance;
 mod asked;
 mod halt;
@@ -44,12 +46,13 @@ use crate::limits::Limits;
 use crate::path::Path;
 use crate::sample::Sample;
 
+use ahead::{SECTIONS, Sections};
 pub use asked::{Feed, LEAST_FEED, MOST_RATIO, Ratios};
 pub use junction::Corner;
 use law::Law;
 use overlap::Tail;
 use pieces::Pieces;
-use section::{SECTIONS, Section, Sections};
+use section::Section;
 pub(crate) use zone::Bend;
 
 /// How many blocks a chain looks ahead.
@@ -241,7 +244,6 @@ impl<const N: usize, T: Copy> Chain<N, T> {
                     begin = end;
                 }
             }
-            self.stale = true;
         }
     }
 

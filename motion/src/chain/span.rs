@@ -18,9 +18,10 @@
 //! term is what a ramp from u to e takes longer than e itself. Whichever m is taken, the law keeps every
 //! limit: the choice is one of time alone.
 
+use super::ahead::MOST_CROSSED;
 use super::allowance::Allowance;
 use super::law::{Law, Promise};
-use super::section::{MOST_CROSSED, Section};
+use super::section::Section;
 use super::{Ask, Chain, SAME};
 use crate::feed::FeedBlock;
 use crate::limits::Limits;

@@ -12,8 +12,8 @@
 //! every border, and where it ends the rest of the path can still be kept; else the law in hand goes on,
 //! which can.
 
+use super::ahead::{AT_ONCE, MOST_CROSSED, SECTIONS};
 use super::law::{Fold, Law, Promise};
-use super::section::MOST_CROSSED;
 use super::{Ask, Chain, SAME};
 use crate::change::SpeedChange;
 use crate::feed::FeedBlock;
@@ -35,10 +35,10 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.take(ask);
         let mut left = self.settings.cycle_s;
         let mut refused = false;
-        for _ in 0..MOST_LAWS {
+        for law in 0..MOST_LAWS {
             let near = self.ways(WAYS_SHOWN);
             self.run_dry(ask, left, near);
-            self.stale |= self.sections.look_ahead(&self.ratios, near);
+            self.stale |= self.sections.look_ahead(&self.ratios, near, if law == 0 { AT_ONCE } else { 0 });
             let cap = self.cap(ask);
             let slow = !refused && self.law.goal(self.t) > cap * (1.0 + SAME);
             let follows = self.overlap(ask, left);
@@ -77,7 +77,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         self.take(ask);
         let near = self.ways(WAYS_SHOWN);
         self.run_dry(ask, 0.0, near);
-        self.stale |= self.sections.look_ahead(&self.ratios, near);
+        self.stale |= self.sections.look_ahead(&self.ratios, near, SECTIONS);
         if self.stale && !self.rests() && self.law.level(self.t) <= self.t {
             self.decide(ask, false);
         }
@@ -157,10 +157,11 @@ impl<const N: usize, T: Copy> Chain<N, T> {
         }
     }
 
-    /// Whether enough is known to set off from rest.
+    /// Whether enough is known to set off from rest: what follows no more than the path makes it slower.
     fn may_start(&self) -> bool {
         let Some(front) = self.sections.front() else { return false };
-        let way = || front.limits.way(0.0, front.cap(&self.ratios));
+        let fastest = || front.limits.reach(front.exit_soft, front.cap(&self.ratios), front.length);
+        let way = || front.limits.way(0.0, fastest());
         self.closed || !self.has_room() || self.sections.total() > WAYS_KNOWN * way()
     }
 

@@ -100,7 +100,7 @@ fn small_bends_at_high_feed_do_not_run_dry() {
     let foretold = interpreter::time_s(&program, &mill()).unwrap();
     let took = seen.cycles as f64 * 0.0005;
     // Bends as short as a ramp: how many of them the next law passes depends on how many are known by then.
-    assert!((took - foretold).abs() < 0.03 * foretold, "{took} s, foretold {foretold} s");
+    assert!((took - foretold).abs() < 0.01 * foretold, "{took} s, foretold {foretold} s");
 }
 
 /// What is commanded beside the path is wrong, however true the axes are. With a correction its error is what

@@ -388,5 +388,5 @@ fn seams_that_meet_stop_between_them_in_single_block_and_at_a_path_mode() {
     let took = run_on(&machine, &stopping, &[], |_| ()).cycles as f64 * 0.0005;
     // How many sections a law passes depends a little on when pieces arrive.
     assert!(apart.min(took) > together + 0.02, "{together} s, {apart} s, {took} s");
-    assert!((took - apart).abs() < 0.006 * apart, "{together} s, {apart} s, {took} s");
+    assert!((took - apart).abs() < 0.005 * apart, "{together} s, {apart} s, {took} s");
 }
