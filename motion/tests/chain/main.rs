@@ -1,6 +1,7 @@
 //! Chains of blocks: every axis within its limits at every moment, every target reached, on the path, in
 //! time.
 
+mod bends;
 mod blocks;
 mod curve;
 mod hold;

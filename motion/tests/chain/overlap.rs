@@ -35,7 +35,7 @@ fn led(stand: &Stand, path: &Rounded) -> f64 {
     distance(&right, &seen.axes.map(|axis| axis.s))
 }
 
-fn tick(stand: &mut Stand, path: &Rounded, ask: &Ask) -> bool {
+pub(crate) fn tick(stand: &mut Stand, path: &Rounded, ask: &Ask) -> bool {
     let goes_on = stand.tick(ask);
     if let Some(seen) = &stand.last {
         path.holds(seen);
@@ -62,43 +62,50 @@ fn overlaps(blocks: &[Line], path: &Rounded) -> (Vec<u64>, u64) {
     (first, stand.ticks())
 }
 
+/// What an operator may ask for.
+pub(crate) fn requests() -> [Ask; 5] {
+    let ratio = |feed: f64| Ask { ratios: Ratios { feed, ..ask().ratios }, ..ask() };
+    [Ask { hold: true, ..ask() }, ratio(0.0), ratio(0.2), ratio(1.7), Ask { single: true, ..ask() }]
+}
+
+/// A request from a cycle on: the machine stops in time if that asks for it, or at the end; it is taken back for a moment, asked for
+/// again, and taken back; the machine comes to its end.
+pub(crate) fn asked(at: &Stand, path: &Rounded, request: &Ask) {
+    let mut stand = at.clone();
+    let stops = request.hold || request.single || request.ratios.feed == 0.0;
+    let mut stood = false;
+    for _ in 0..MOST_STOP {
+        if !tick(&mut stand, path, request) {
+            stood = true;
+            break;
+        }
+        stood |= stand.speed() == 0.0 && led(&stand, path) <= 1e-9;
+        // At the end of a block it goes on when the key is pressed again.
+        if request.single && stood {
+            break;
+        }
+    }
+    assert!(stood || !stops, "{request:?} at {} does not stop", at.ticks());
+    for again in [&ask(), request, &ask()] {
+        (0..5).for_each(|_| _ = tick(&mut stand, path, again));
+    }
+    while tick(&mut stand, path, &ask()) {}
+    stand.ends();
+}
+
 #[test]
 fn every_request_at_every_cycle_around_an_overlap() {
     let blocks = contour();
     let path = Rounded::new(&blocks);
     let (moments, free) = overlaps(&blocks, &path);
     assert!(moments.len() >= 3, "overlaps at {moments:?}");
-    let ratio = |feed: f64| Ask { ratios: Ratios { feed, ..ask().ratios }, ..ask() };
-    let requests =
-        [Ask { hold: true, ..ask() }, ratio(0.0), ratio(0.2), ratio(1.7), Ask { single: true, ..ask() }];
     for around in moments {
         let mut at = Stand::new(&blocks);
         while at.ticks() + AROUND < around {
             tick(&mut at, &path, &ask());
         }
         while at.ticks() < around + AROUND && at.ticks() + 2 < free {
-            for request in &requests {
-                let mut stand = at.clone();
-                let stops = request.hold || request.single || request.ratios.feed == 0.0;
-                let mut stood = false;
-                for _ in 0..MOST_STOP {
-                    if !tick(&mut stand, &path, request) {
-                        break;
-                    }
-                    stood |= stand.speed() == 0.0 && led(&stand, &path) <= 1e-9;
-                    // At the end of a block it goes on when the key is pressed again.
-                    if request.single && stood {
-                        break;
-                    }
-                }
-                assert!(stood || !stops, "{request:?} at {} does not stop", at.ticks());
-                // Taken back for a moment, and asked for again.
-                for again in [&ask(), request, &ask()] {
-                    (0..5).for_each(|_| _ = tick(&mut stand, &path, again));
-                }
-                while tick(&mut stand, &path, &ask()) {}
-                stand.ends();
-            }
+            requests().iter().for_each(|request| asked(&at, &path, request));
             tick(&mut at, &path, &ask());
         }
     }

@@ -245,7 +245,7 @@ fn an_even_division_stays_one_when_it_is_rounded() {
 }
 
 /// A closed wave in chords of `step` mm and up to `more` times that.
-fn wave(random: &mut Seed, step: f64, more: f64) -> Vec<[f64; N]> {
+pub(crate) fn wave(random: &mut Seed, step: f64, more: f64) -> Vec<[f64; N]> {
     let (waves, size) = (f64::from(2 + (random.next() % 4) as u32), random.between(0.5, 4.0));
     let (mut turn, mut points) = (0.0, Vec::new());
     while turn < std::f64::consts::TAU {

@@ -1,0 +1,66 @@
+//! Laws that pass several sections (M196, M197): uneven bends and feeds that fall and rise, shorter than a
+//! ramp. Whatever is asked for at whatever cycle, the limits hold, the machine stays on its path and comes to
+//! its end; planned again in every cycle it is as fast.
+
+use crate::overlap::{asked, requests, tick};
+use crate::programs::{Line, through};
+use crate::rounded::Rounded;
+use crate::stand::{Stand, ask};
+use crate::times::wave;
+use motion::chain::{Ask, Corner, Feed, Ratios};
+use testing::{Seed, count};
+
+/// A tenth of a wave in uneven chords, with another feed now and then.
+fn bends(case: u64) -> Vec<Line> {
+    let mut random = Seed::of_case(case);
+    let points = wave(&mut random, 0.4, 4.0);
+    let mut blocks = through(&points[..points.len() / 10], Feed::PerSecond(100.0), Corner::Blend(0.01));
+    let mut feed = 100.0;
+    for block in &mut blocks {
+        if random.chance(0.2) {
+            feed = random.scale(10.0, 10.0);
+        }
+        block.feed = Feed::PerSecond(feed);
+    }
+    blocks
+}
+
+#[test]
+fn every_request_at_every_cycle_of_uneven_bends() {
+    for case in 0..count("PITCHLOCK_PROGRAMS", 300) / 100 {
+        let blocks = bends(case);
+        let path = Rounded::new(&blocks);
+        let mut at = Stand::new(&blocks);
+        loop {
+            requests().iter().for_each(|request| asked(&at, &path, request));
+            if !tick(&mut at, &path, &ask()) {
+                break;
+            }
+        }
+        at.ends();
+    }
+}
+
+/// A sender of few blocks a cycle, and a ratio that no block goes by, which changes in every cycle.
+#[test]
+fn planned_again_in_every_cycle_it_is_as_fast() {
+    for case in 100..140 {
+        let blocks = bends(case);
+        let path = Rounded::new(&blocks);
+        let mut plan = Stand::new(&blocks);
+        plan.run(&ask());
+        for pace in [1, 3, 2000] {
+            let mut stand = Stand::new(&blocks);
+            stand.pace = pace;
+            let mut turns = 1.0;
+            while tick(&mut stand, &path, &Ask { ratios: Ratios { turns, ..ask().ratios }, ..ask() }) {
+                turns = 1.0 + (turns + 0.618) % 1.0;
+            }
+            stand.ends();
+            // Blocks that arrive one by one let the machine wait until it knows some of them.
+            let late = blocks.len() as u64 / pace as u64 + 1;
+            let (took, planned) = (stand.ticks(), plan.ticks());
+            assert!(took <= planned + planned / 100 + late, "{took} cycles, not {planned}: {case}, {pace}");
+        }
+    }
+}
