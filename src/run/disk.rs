@@ -79,11 +79,12 @@ impl<T: Send + 'static> Disk<T> {
         self.queue.try_send(what)
     }
 
-    /// Hands over the last and waits until all is written, or nothing of it for so long; why it is not. The
-    /// machine rests, but whoever waits for a disk that is gone is not told how the run has ended.
-    pub(super) fn finish(self, last: T, patience: Duration) -> Result<(), Unwritten> {
+    /// Hands over the last, if there is one, and waits until all is written, or nothing of it for so long; why
+    /// it is not. The machine rests, but whoever waits for a disk that is gone is not told how the run has
+    /// ended.
+    pub(super) fn finish(self, last: Option<T>, patience: Duration) -> Result<(), Unwritten> {
         let Disk { queue, thread, done } = self;
-        let (mut queue, mut last) = (Some(queue), Some(last));
+        let (mut queue, mut last) = (Some(queue), last);
         let (mut seen, mut since) = (done.load(Ordering::Relaxed), Moment::now());
         while !thread.is_finished() {
             // A thread that has given up takes nothing; a queue that is dropped ends one that has not.
@@ -135,7 +136,7 @@ mod tests {
         let (disk, answers, _written) = standing();
         let taken = (0..9).take_while(|number| disk.offer(*number).is_ok()).count();
         assert!((2..=3).contains(&taken), "{taken}");
-        assert!(matches!(disk.finish(9, POLL), Err(Unwritten::Stands)));
+        assert!(matches!(disk.finish(Some(9), POLL), Err(Unwritten::Stands)));
         drop(answers);
     }
 
@@ -145,7 +146,7 @@ mod tests {
         let taken: Vec<u32> = (0..9).take_while(|number| disk.offer(*number).is_ok()).collect();
         let all = taken.len() + 1;
         let later = std::thread::spawn(move || (0..all).try_for_each(|_| answers.send(())));
-        assert!(disk.finish(9, DISK).is_ok());
+        assert!(disk.finish(Some(9), DISK).is_ok());
         assert!(later.join().expect("it ends").is_ok());
         assert_eq!(written.iter().collect::<Vec<_>>(), [&taken[..], &[9]].concat());
     }
@@ -154,6 +155,6 @@ mod tests {
     fn why_it_has_not_written_is_told() {
         let (disk, answers, _written) = standing();
         drop(answers);
-        assert!(matches!(disk.finish(1, DISK), Err(Unwritten::Failed(why)) if why == "gone"));
+        assert!(matches!(disk.finish(Some(1), DISK), Err(Unwritten::Failed(why)) if why == "gone"));
     }
 }

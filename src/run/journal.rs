@@ -1,9 +1,10 @@
-//! The journal of a run and the record of what reached its modules, written by one thread: in the run folder
-//! there is at any time what the control knows, and what its machine needs to be made again up to there.
+//! The journal of a run and the record of what reached its modules, each written by a thread: in the run
+//! folder there is at any time what the control knows, and what its machine needs to be made again up to there.
 //!
 //! The first record is written before anything moves. From there on nothing waits for the disk: what the
-//! thread cannot take yet is kept back, and the newest takes its place. What comes soon after the disk was
-//! asked is written at once, and confirmed with what follows.
+//! threads cannot take yet is kept back, and the newest takes its place. A state goes through the thread of
+//! the record to that of the journal, so it is never there without what had reached the modules before. What
+//! comes soon after the disk was asked is written at once, and confirmed with what follows.
 
 use std::{
     io,
@@ -24,7 +25,7 @@ use rig::{
 };
 
 use super::{
-    disk::{Disk, News, Unwritten, look_again},
+    disk::{DISK, Disk, News, Unwritten, look_again},
     moment::{EVERY, Live},
 };
 use crate::error::CliError;
@@ -80,7 +81,7 @@ impl Drop for Spared {
     }
 }
 
-/// What is to be written: nothing, or what became of it since the thread took the last.
+/// What is to be written: nothing, or what became of it since the threads took the last.
 #[derive(Default)]
 struct Kept {
     /// The newest state.
@@ -131,7 +132,8 @@ impl Journal {
         gather: Duration,
     ) -> io::Result<Journal> {
         let (begins, first) = sync_channel(0);
-        let disk = Disk::start("journal", WAITING, move |news| write(news, book, live, gather, begins))?;
+        let journal = Disk::start("journal", WAITING, move |news| write(news, book, gather, begins))?;
+        let disk = Disk::start("record", WAITING, move |news| hand_on(news, live, journal))?;
         Ok(Journal { keeper, disk, kept_back: Kept::default(), arrivals: 0, first, begun: false, asked })
     }
 
@@ -174,16 +176,31 @@ impl Journal {
     /// of it could be written.
     pub(super) fn finish(self, patience: Duration) -> Result<(), Unwritten> {
         let state = self.keeper.last().or(self.kept_back.state);
-        self.disk.finish(Kept { state, ..self.kept_back }, patience)
+        self.disk.finish(Some(Kept { state, ..self.kept_back }), patience)
     }
+}
+
+/// Writes what reached the modules, and hands on the state that was known then: the newest, if the journal
+/// takes none now.
+fn hand_on(news: &News<Kept>, mut live: impl FnMut(u64, &str), journal: Disk<State>) -> Result<(), String> {
+    let mut newest = None;
+    while let Ok(Kept { state, cycles, lines }) = news.next() {
+        cycles.into_iter().for_each(|cycles| live(cycles, &lines));
+        newest = state.or(newest);
+        if let Some(state) = newest.take()
+            && let Err(TrySendError::Full(back)) = journal.offer(state)
+        {
+            newest = Some(back);
+        }
+    }
+    journal.finish(newest, DISK).map_err(|error| error.to_string())
 }
 
 /// Writes what comes, and confirms it: at once where the disk was not asked for a while, else with what
 /// follows. Whoever waits for the first one waits for the end of `begins`.
 fn write<M: Medium>(
-    news: &News<Kept>,
+    news: &News<State>,
     mut book: Book<M>,
-    mut live: impl FnMut(u64, &str),
     gather: Duration,
     begins: SyncSender<()>,
 ) -> Result<(), String> {
@@ -199,14 +216,10 @@ fn write<M: Medium>(
             true => news.next_within(rest),
         };
         match came {
-            Ok(Kept { state, cycles, lines }) => {
-                // What reached the modules before the state is known is there before it.
-                cycles.into_iter().for_each(|cycles| live(cycles, &lines));
-                if let Some(state) = state {
-                    failed = book.write(&state).err();
-                    drop(begins.take());
-                    waits = true;
-                }
+            Ok(state) => {
+                failed = book.write(&state).err();
+                drop(begins.take());
+                waits = true;
             }
             Err(RecvTimeoutError::Timeout) => {
                 failed = book.sync().err().or(failed);
@@ -280,11 +293,11 @@ mod tests {
             collected.asked(cycle, Some(protocol::operator::Request::Stop));
             journal.cycle(&Record { truth: &truth, axes: &[], machine: &machine }, &collected);
         }
-        assert!(live.lock().expect("nobody panics").0 < CYCLES, "the disk did not stand");
+        let known = || latest::<State>(&bytes.lock().expect("nobody panics")).expect("a whole record").1;
+        assert_eq!(known().tool, 0, "the disk stands");
         drop(holds);
-        journal.finish(super::super::disk::DISK).expect("it is written");
-        let (_, state) = latest::<State>(&bytes.lock().expect("nobody panics")).expect("a whole record");
-        assert_eq!(u64::from(state.tool), CYCLES - 1);
+        journal.finish(DISK).expect("it is written");
+        assert_eq!(u64::from(known().tool), CYCLES - 1);
         let lines = collected.so_far().lines_from(0).lines().count();
         assert_eq!(live.lock().expect("nobody panics").1, lines);
         assert!(lines > 0);

@@ -118,7 +118,7 @@ impl Traced {
     pub(super) fn finish(self) -> (Result<String, Unwritten>, Lost) {
         let Traced { disk, path, batch, lost, .. } = self;
         let hashed = |()| hash_of(&path).map_err(|error| Unwritten::Failed(error.to_string()));
-        (disk.finish(batch, DISK).and_then(hashed), lost)
+        (disk.finish(Some(batch), DISK).and_then(hashed), lost)
     }
 }
 
