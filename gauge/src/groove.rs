@@ -58,7 +58,7 @@ pub(crate) struct Measure<'a> {
     tangents: [f64; 2],
     heights: [f64; 2],
     /// h at which the ridge beside the groove must still be there.
-    crest: f64,
+    pub(crate) crest: f64,
 }
 
 impl<'a> Measure<'a> {

@@ -19,6 +19,7 @@
 //! where it fits; that is told as a diameter at its plane, and as its distance from there.
 
 use crate::{
+    blunt,
     causes::{Held, angles_deg, causes, mean_tangents},
     groove::{Cut, Measure},
     helix::{self, Helix, Thread},
@@ -70,6 +71,8 @@ pub struct Report {
     pub root_mm: [f64; 2],
     /// Depth of the groove, mm, if the stock is known.
     pub depth_mm: Option<f64>,
+    /// Of a blunt start: turns behind the face up to which the ridge is gone, and from which on it is whole.
+    pub blunt_turns: Option<[f64; 2]>,
     /// Length of the thread that was measured, mm.
     pub length_mm: f64,
 }
@@ -127,6 +130,12 @@ pub fn judge(nominal: &Nominal, sections: &Sections, full_mm: [f64; 2], crest_mm
     }
     report.reasons.extend(root(nominal, report.root_mm));
     report.reasons.extend(crest(nominal, &cuts, crest_mm));
+    if let Some(asked) = nominal.blunt_turns {
+        let heights = [nominal.flank_heights_mm(crest_mm)[0], measure.crest];
+        let start = blunt::look(nominal, asked, sections, (&cuts, full_mm), heights);
+        report.blunt_turns = Some(start.turns);
+        report.reasons.extend(start.reasons);
+    }
     report.verdict = if report.reasons.is_empty() { Verdict::Good } else { Verdict::Bad };
     report
 }

@@ -16,11 +16,13 @@
 //! | `helix.rs` | from grooves at all angles to lead, drunkenness, starts |
 //! | `window.rs` | the longest and shortest over any length of a gauge |
 //! | `judge.rs`, `causes.rs` | GO, NO-GO, and which cause weighs most |
+//! | `blunt.rs` | where the ridge of a thread begins, if it is asked to begin bluntly |
 //! | `reason.rs` | that in words |
 //! | `drawn/` | a groove as a drawing has it, whatever its lead does, and what was cut held against it |
 //! | `pickup.rs` | where a thread that is there lies, from touches of a probe |
 #![forbid(unsafe_code)]
 
+mod blunt;
 mod causes;
 mod drawn;
 mod edge;

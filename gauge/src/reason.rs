@@ -17,6 +17,8 @@ pub enum Check {
     Root,
     /// The crest beside the groove.
     Crest,
+    /// Where its ridge begins.
+    Start,
 }
 
 /// What weighs most in it.

@@ -56,6 +56,9 @@ pub struct Nominal {
     /// Of a nut that a tapered tap cuts: how far from its point the tap has the pitch diameter that the nut
     /// has at its plane, mm.
     pub tap_mm: Option<f64>,
+    /// Of a blunt start: turns behind the face of the part, at Z 0, up to which the ridge has to be gone, and
+    /// from which on it has to be whole.
+    pub blunt_turns: Option<[f64; 2]>,
     /// What its standard asks besides, and no gauge looks at; for people.
     pub left_out: &'static [&'static str],
 }
@@ -101,6 +104,8 @@ impl NominalError {
     }
 }
 
+/// Turns behind the face within which a blunt start is over.
+const MOST_BLUNT: f64 = 4.0;
 /// Least angle between the flanks, degrees.
 const LEAST_DEG: f64 = 4.0;
 
@@ -114,7 +119,15 @@ impl Nominal {
         let sizes = [self.pitch_mm, low, high, self.gauge_mm];
         let sound = sizes.iter().all(|mm| mm.is_finite() && *mm > 0.0) && low <= high && self.starts > 0;
         let tap = self.tap_mm.is_none_or(|mm| mm.is_finite() && mm > 0.0);
-        if !sound || !tap || !self.plane_mm.is_finite() || self.taper.is_nan() || self.taper.abs() > 1.0 {
+        let blunt =
+            self.blunt_turns.is_none_or(|[gone, whole]| 0.0 < gone && gone < whole && whole <= MOST_BLUNT);
+        if !sound
+            || !tap
+            || !blunt
+            || !self.plane_mm.is_finite()
+            || self.taper.is_nan()
+            || self.taper.abs() > 1.0
+        {
             return Err(NominalError::Sizes);
         }
         let flanks = self.flank_deg.iter().all(|deg| (0.0..=80.0).contains(deg));

@@ -66,6 +66,7 @@ impl Nominal {
             plane_mm: 0.0,
             gauge_mm: profile.major_mm,
             tap_mm: None,
+            blunt_turns: None,
             left_out: left_out(thread, side),
         };
         nominal.check().map(|()| nominal)
@@ -112,6 +113,7 @@ fn tapered(thread: &Thread, side: Side, member: &Member) -> Result<Nominal, Nomi
         plane_mm,
         gauge_mm: length_mm,
         tap_mm: None,
+        blunt_turns: None,
         left_out: left_out(thread, side),
     };
     nominal.check().map(|()| nominal)

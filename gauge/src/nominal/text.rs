@@ -2,7 +2,7 @@
 //! degrees. Out: a [`Nominal`], or where the text is wrong and what would be right.
 //!
 //! ```text
-//! text    = (name | numbers) [tap length]
+//! text    = (name | numbers) [tap length] [blunt turns..turns]
 //! name    = as `metrology` reads it, with a class or a side
 //! numbers = P pitch D2 limits { A angle | external | internal | LH | starts n | crest limits | root limits
 //!           | taper 1:n | at Z | length L }
@@ -18,6 +18,7 @@
 //! | `at` | where the diameters of a cone hold, along Z of the program | 0, the face |
 //! | `length` | length of the GO gauge | the larger limit of D2 |
 //! | `tap` | how far from its point a tapered tap has the diameter of the plane | no tapered tap is judged |
+//! | `blunt` | turns behind the face up to which the ridge is gone, and from which on whole | not looked at |
 //!
 //! The words come in any order, in capitals or not, and a number may stand apart from its letter.
 
@@ -34,7 +35,21 @@ impl FromStr for Nominal {
     type Err = Misread;
 
     fn from_str(text: &str) -> Result<Nominal, Misread> {
-        let Some((thread, length)) = tapped(text) else { return read(text) };
+        if let Some((thread, turns)) = behind(text, "blunt") {
+            let nominal: Nominal = thread.parse()?;
+            let name = format!("{} blunt {turns}", nominal.name);
+            let turns = limits(turns).and_then(|[gone, whole]| Some([gone?, whole?]));
+            let blunt = Nominal { name, blunt_turns: turns, ..nominal };
+            return match turns {
+                Some(_) if blunt.check().is_ok() => Ok(blunt),
+                _ => Err(Misread {
+                    span: thread.len()..text.len(),
+                    message: "behind blunt two numbers of turns are missing, up to 4, the smaller one first".into(),
+                    help: "write blunt 0.9..1: the ridge is gone for 0.9 turns behind the face, and whole from 1 on".into(),
+                }),
+            };
+        }
+        let Some((thread, length)) = behind(text, "tap") else { return read(text) };
         let nominal = read(thread)?;
         let span = thread.len()..text.len();
         if nominal.side != Side::Internal || nominal.taper == 0.0 {
@@ -67,11 +82,11 @@ fn read(text: &str) -> Result<Nominal, Misread> {
     })
 }
 
-/// What stands before the word `tap` and behind it, where that ends the text.
-fn tapped(text: &str) -> Option<(&str, &str)> {
-    let (before, length) = text.trim_end().rsplit_once(char::is_whitespace)?;
+/// What stands before a word and behind it, where that ends the text.
+fn behind<'a>(text: &'a str, asked: &str) -> Option<(&'a str, &'a str)> {
+    let (before, told) = text.trim_end().rsplit_once(char::is_whitespace)?;
     let (thread, word) = before.trim_end().rsplit_once(char::is_whitespace)?;
-    word.eq_ignore_ascii_case("tap").then_some((thread, length))
+    word.eq_ignore_ascii_case(asked).then_some((thread, told))
 }
 
 /// How a thread without limits is written by numbers.
@@ -191,6 +206,7 @@ fn numbers(text: &str) -> Result<Nominal, Misread> {
         plane_mm: said.at.unwrap_or(0.0),
         gauge_mm: said.length.unwrap_or(most),
         tap_mm: None,
+        blunt_turns: None,
         left_out: &[],
     })
 }

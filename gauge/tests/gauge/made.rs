@@ -75,6 +75,7 @@ pub(crate) fn threads() -> Vec<Made> {
             plane_mm: 0.0,
             gauge_mm: 10.0 * pitch_mm,
             tap_mm: None,
+            blunt_turns: None,
             left_out: &[],
         };
         nominal.check().expect("a gauge can be made");

@@ -1,5 +1,6 @@
 //! The virtual gauge against threads that are made up, right and wrong on purpose.
 
+mod blunt;
 mod border;
 mod counterpart;
 mod drawn;

@@ -58,6 +58,10 @@ fn rows(gauge: &GaugeReport) -> Vec<(&'static str, String, String)> {
         ),
     ];
     rows.extend(standoff);
+    rows.extend(gauge.blunt_turns.map(|[gone, whole]| {
+        let found = format!("gone for {gone:.2} turns, whole from {whole:.2} on");
+        ("Blunt start", found, "in the name".into())
+    }));
     rows
 }
 

@@ -30,6 +30,7 @@ fn m20x2() -> Nominal {
         plane_mm: 0.0,
         gauge_mm: 20.0,
         tap_mm: None,
+        blunt_turns: None,
         left_out: &[],
     }
 }

@@ -27,6 +27,9 @@ pub struct GaugeReport {
     /// Of a taper: how far before its plane GO comes to rest; negative where it goes beyond, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub standoff_mm: Option<f64>,
+    /// Of a blunt start: turns behind the face up to which the ridge is gone, and from which on it is whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blunt_turns: Option<[f64; 2]>,
     /// Error of the lead over the length of the GO gauge, or of the thread if that is shorter, µm.
     pub lead_error_um: f64,
     /// Largest unevenness of the helix within a turn, µm.
@@ -130,6 +133,7 @@ impl GaugeReport {
             pitch_diameter_max_mm: high,
             virtual_pitch_diameter_mm: found.virtual_mm,
             standoff_mm: found.standoff_mm,
+            blunt_turns: found.blunt_turns,
             lead_error_um: found.lead_error_um,
             drunkenness_um: found.drunkenness_um,
             starts_um: found.starts_um,
@@ -178,9 +182,12 @@ impl GaugeReport {
                     0 | 1 => String::new(),
                     _ => format!(", {starts} starts within {:.2} µm", self.starts_um),
                 };
+                let blunt = self.blunt_turns.map_or_else(String::new, |[gone, whole]| {
+                    format!("; its ridge is gone for {gone:.2} turns behind the face, and whole from {whole:.2} on")
+                });
                 format!(
                     "{} good: pitch diameter {:.4} to {:.4} mm of {least:.3} to {most:.3}, GO meets {:.4} mm{standoff}; lead \
-                     {:+.2} µm over {:.1} mm, drunkenness {:.2} µm{apart}",
+                     {:+.2} µm over {:.1} mm, drunkenness {:.2} µm{apart}{blunt}",
                     self.name,
                     self.pitch_diameter_min_mm,
                     self.pitch_diameter_max_mm,

@@ -29,6 +29,7 @@ fn nominal() -> Nominal {
         plane_mm: 0.0,
         gauge_mm: 10.0,
         tap_mm: None,
+        blunt_turns: None,
         left_out: &[],
     }
 }
