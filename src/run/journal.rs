@@ -1,5 +1,6 @@
 //! The journal of a run and the record of what reached its modules, each written by a thread: in the run
-//! folder there is at any time what the control knows, and what its machine needs to be made again up to there.
+//! folder there is at any time what the control knows, and what its machine needs to be made again up to
+//! there.
 //!
 //! The first record is written before anything moves. From there on nothing waits for the disk: what the
 //! threads cannot take yet is kept back, and the newest takes its place. A state goes through the thread of
