@@ -80,8 +80,8 @@ impl<T: Send + 'static> Disk<T> {
     }
 
     /// Hands over the last, if there is one, and waits until all is written, or nothing of it for so long;
-    /// why it is not. The machine rests, but whoever waits for a disk that is gone is not told how the run has
-    /// ended.
+    /// why it is not. The machine rests, but whoever waits for a disk that is gone is not told how the run
+    /// has ended.
     pub(super) fn finish(self, last: Option<T>, patience: Duration) -> Result<(), Unwritten> {
         let Disk { queue, thread, done } = self;
         let (mut queue, mut last) = (Some(queue), last);
