@@ -23,6 +23,7 @@ use crate::execute::{Done, Output};
 use crate::geometry::contour::{Point, Segment};
 use crate::geometry::frame::Frame;
 use crate::geometry::passes::{Move, repeat, turn, walled};
+use crate::geometry::walk::descent;
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::{Compensation, State};
 use crate::text::Mark;
@@ -269,8 +270,7 @@ impl Control {
         let (infeed, escape) = depth.unwrap_or((1.0, 0.0));
         let from = frame.enter(start + allowance);
         let framed = framed(contour, allowance, &frame)?;
-        let deepest = framed.iter().map(|segment| from.x - segment.end.x).fold(0.0, f64::max);
-        if deepest / infeed > MOST_PASSES {
+        if descent(from, &framed) / infeed > MOST_PASSES {
             let message = format!("a depth of cut of {infeed} would take more than {MOST_PASSES} passes");
             let help = "give a greater one in the first line";
             return Err(Problem::error("bad-value", Blame::G(code), message, help));

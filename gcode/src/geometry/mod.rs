@@ -7,7 +7,7 @@ pub(crate) mod frame;
 pub(crate) mod offset;
 pub(crate) mod passes;
 pub(crate) mod track;
-mod walk;
+pub(crate) mod walk;
 
 #[cfg(test)]
 mod tests;

@@ -49,6 +49,12 @@ fn flanks(start: Point, contour: &[Segment]) -> Vec<Flank> {
     flanks
 }
 
+/// How far a walk goes down, all pockets added up: it makes a pass for each infeed of that, and one for each
+/// place where it begins to go down.
+pub(crate) fn descent(start: Point, contour: &[Segment]) -> f64 {
+    flanks(start, contour).iter().map(|flank| (flank.segment.start.x - flank.segment.end.x).max(0.0)).sum()
+}
+
 /// Walks along a contour. Levels are counted from `first` (6).
 pub(super) fn walk<E>(
     start: Point,

@@ -68,8 +68,8 @@ pub(crate) fn requests() -> [Ask; 5] {
     [Ask { hold: true, ..ask() }, ratio(0.0), ratio(0.2), ratio(1.7), Ask { single: true, ..ask() }]
 }
 
-/// A request from a cycle on: the machine stops in time if that asks for it, or at the end; it is taken back for a moment, asked for
-/// again, and taken back; the machine comes to its end.
+/// A request from a cycle on: the machine stops in time if that asks for it, or at the end. It is taken back
+/// for a moment, asked for again, and taken back: the machine comes to its end.
 pub(crate) fn asked(at: &Stand, path: &Rounded, request: &Ask) {
     let mut stand = at.clone();
     let stops = request.hold || request.single || request.ratios.feed == 0.0;

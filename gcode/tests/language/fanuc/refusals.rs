@@ -94,3 +94,19 @@ fn bores_come_back_at_the_feed_or_with_the_spindle_at_rest() {
     let again = ["StopSpindle", "StartSpindle(Clockwise)"];
     assert!(bored.others.windows(2).any(|calls| calls == again), "{:?}", bored.others);
 }
+
+/// A pocket counts with its depth below its rim, however high that stands above the start; so does an arc
+/// between its ends.
+#[test]
+fn a_contour_of_too_many_passes_is_refused_before_the_first_one() {
+    for (cycle, contour) in [
+        ("G72 W2. R0.5\nG72 P1 Q2 U0.4 W0.1 F0.3", "N1 G00 Z-9999999999999\nG01 X40. F0.1\nN2 Z2.5"),
+        ("G71 U0.5 R0.5\nG71 P1 Q2 F0.3", "N1 G00 X40.\nG02 Z-40000. R20010. F0.1\nN2 G01 X50."),
+    ] {
+        let text = format!("S500 M03\nG00 X50. Z5.\n{cycle}\n{contour}\nM30\n");
+        let outcome = outcome(&text);
+        let [error] = outcome.errors.as_slice() else { panic!("{:?}", outcome.errors) };
+        assert_eq!((error.line, error.code), (4, "bad-value"), "{error:?}");
+        assert!(error.message.contains("more than 10000 passes"), "{}", error.message);
+    }
+}
