@@ -66,9 +66,10 @@ impl Spindle {
     }
 
     /// Speed and direction of a thread whose tool stands at X of the machine, if it turns: what G96 gives
-    /// there is kept through the pass, because a pass that is proved for one speed is not for another.
+    /// there is kept through the pass, because a pass that is proved for one speed is not for another. What
+    /// goes on from a thread has the speed that this one keeps, wherever X is by then.
     fn turning_at(&self, x_mm: f64, frame: &Frame, machine: &Machine) -> Option<(f64, f64)> {
-        let speed = Spindle { held: None, ..*self }.wanted(frame, machine).1;
+        let speed = self.wanted(frame, machine).1;
         self.turns().then(|| (speed.rpm(Position::from_mm(x_mm)), self.mode.sign()))
     }
 

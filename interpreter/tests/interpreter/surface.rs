@@ -125,6 +125,21 @@ fn a_thread_keeps_the_speed_of_g96_where_it_begins() {
     assert!(under_g96(fanuc, &machine)[1].1 > 3);
 }
 
+/// A chain is one pass: its later legs begin at another X, and keep the speed of the first. The next one has
+/// its own again.
+#[test]
+fn a_chain_keeps_the_speed_of_its_first_leg() {
+    let chain = "G33 X12.5 Z-15 K2\nG33 Z-30 K2\nG33 X14 Z-40 K2\nG33 Z-50 K2\nG0 X18\n";
+    let source = format!("G18 G21 G90\nG96 S60 D1200 M3\nG0 X8.5 Z8\n{chain}G0 Z8\nG0 X9\n{chain}M5\nM2\n");
+    let speeds = under_g96(&source, &Machine::plain());
+    let threads: Vec<_> = speeds.iter().filter(|(_, passes)| *passes > 0).collect();
+    let rpm_at = |radius: f64| 1000.0 * 60.0 / (std::f64::consts::TAU * radius);
+    let [(SpindleSpeed::Rpm(first), 1), (SpindleSpeed::Rpm(second), 1)] = threads[..] else {
+        panic!("two chains, each of one pass: {speeds:?}")
+    };
+    assert!((first - rpm_at(8.5)).abs() < 1e-6 && (second - rpm_at(9.0)).abs() < 1e-6, "{speeds:?}");
+}
+
 #[test]
 fn fanuc_programs_say_it_with_g50() {
     let mut machine = Machine::plain();
