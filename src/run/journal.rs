@@ -27,7 +27,7 @@ use rig::{
 
 use super::{
     disk::{DISK, Disk, News, Unwritten, look_again},
-    moment::{EVERY, Live},
+    moment::{EVERY, EVERY_FAST, Live},
 };
 use crate::error::CliError;
 
@@ -98,6 +98,8 @@ pub(super) struct Journal {
     keeper: Keeper,
     disk: Disk<Kept>,
     kept_back: Kept,
+    /// The record of the machine is written every so many control cycles at least.
+    every: u64,
     /// Changes of arrivals that are in it.
     arrivals: usize,
     /// Ends when the first record is written.
@@ -119,9 +121,8 @@ impl Journal {
         let path = folder.join(JOURNAL);
         let book = Spared::create(&path).map(Book::new).map_err(|error| CliError::file(&path, error))?;
         let mut live = Live::create(folder, head)?;
-        let gather = if fast { GATHER_FAST } else { GATHER };
-        let journal =
-            Journal::on(book, keeper, asked, move |cycles, lines| live.write(cycles, lines), gather);
+        let often = if fast { (GATHER_FAST, EVERY_FAST) } else { (GATHER, EVERY) };
+        let journal = Journal::on(book, keeper, asked, move |cycles, lines| live.write(cycles, lines), often);
         journal.map_err(|error| CliError::Machine(error.to_string()))
     }
 
@@ -130,12 +131,21 @@ impl Journal {
         keeper: Keeper,
         asked: Arc<AtomicBool>,
         live: impl FnMut(u64, &str) + Send + 'static,
-        gather: Duration,
+        (gather, every): (Duration, u64),
     ) -> io::Result<Journal> {
         let (begins, first) = sync_channel(0);
         let journal = Disk::start("journal", WAITING, move |news| write(news, book, gather, begins))?;
         let disk = Disk::start("record", WAITING, move |news| hand_on(news, live, journal))?;
-        Ok(Journal { keeper, disk, kept_back: Kept::default(), arrivals: 0, first, begun: false, asked })
+        Ok(Journal {
+            keeper,
+            disk,
+            kept_back: Kept::default(),
+            every,
+            arrivals: 0,
+            first,
+            begun: false,
+            asked,
+        })
     }
 
     /// Takes one control cycle, and what has reached the modules.
@@ -148,7 +158,7 @@ impl Journal {
             kept.lines += &so_far.lines_from(self.arrivals);
             self.arrivals = so_far.changes.len();
         }
-        if more || cycles.is_multiple_of(EVERY) {
+        if more || state.is_some() || cycles.is_multiple_of(self.every) {
             kept.cycles = Some(cycles);
         }
         let begins = state.is_some() && !self.begun;
@@ -285,7 +295,7 @@ mod tests {
             let mut seen = seen.lock().expect("nobody panics");
             *seen = (cycles, seen.1 + lines.lines().count());
         };
-        let journal = Journal::on(Book::new(medium), keeper, Arc::default(), seen, Duration::ZERO);
+        let journal = Journal::on(Book::new(medium), keeper, Arc::default(), seen, (Duration::ZERO, EVERY));
         let (mut journal, mut collected) = (journal.expect("a thread"), Collector::new(true, 4));
         for cycle in 0..CYCLES {
             let truth = Truth { cycle: Cycle(cycle), ..Truth::default() };

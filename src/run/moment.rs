@@ -4,7 +4,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `moment.bin` | control cycles that are recorded, in steps of at most 64: a number of eight bytes, little-endian, and its complement |
+//! | `moment.bin` | control cycles that are recorded, in steps of at most 64, or 512 of a machine that runs as fast as it can be computed: a number of eight bytes, little-endian, and its complement |
 //! | `arrivals.live` | the lines of `arrivals.txt` as it grows, each twice, with its number and a hash |
 
 use std::{
@@ -25,6 +25,9 @@ pub(crate) const LIVE: &str = "arrivals.live";
 const BYTES: usize = 16;
 /// Written every so many control cycles: in every one it would take a sixth of virtual speed.
 pub(super) const EVERY: u64 = 64;
+/// The same of a machine that runs as fast as it can be computed: to wake the thread that writes took half of
+/// what a record costs.
+pub(super) const EVERY_FAST: u64 = 512;
 
 /// The record of a machine that runs.
 pub(super) struct Live {
