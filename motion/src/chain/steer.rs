@@ -282,6 +282,9 @@ impl<const N: usize, T: Copy> Chain<N, T> {
     /// the path ahead does not allow it.
     fn change(&self, v: f64, a: f64, target: f64, gone: f64) -> Option<SpeedChange> {
         let front = self.sections.front()?;
+        // What still speeds up is taken back no more slowly than the law in hand would: who asks for less
+        // never makes it faster.
+        let most = front.limits.v.min(self.law.peak_speed()) * (1.0 + SAME);
         let mut limits = front.limits.up_to(v.max(target));
         for _ in 0..MOST_CROSSED {
             if a.abs() > limits.a * (1.0 + SAME) {
@@ -292,7 +295,7 @@ impl<const N: usize, T: Copy> Chain<N, T> {
             let tighter = limits.min(&tightest);
             if tighter == limits {
                 let top = change.at(change.top());
-                if top.v > v.max(target) && (top.v > front.limits.v || gone + top.s > front.length) {
+                if top.v > v.max(target) && (top.v > most || gone + top.s > front.length) {
                     return None;
                 }
                 let limits = Limits { v: top.v, ..limits };

@@ -13,6 +13,8 @@ const AROUND: u64 = 30;
 /// A stop takes no longer than this, in cycles.
 const MOST_STOP: u64 = 150;
 const TOLERANCE: f64 = 0.01;
+/// mm/s.
+pub(crate) const FEED: f64 = 100.0;
 
 /// Corners of 45° to 110°, and a line that is shorter than an overlap.
 fn contour() -> Vec<Line> {
@@ -25,7 +27,7 @@ fn contour() -> Vec<Line> {
         [3.55, 3.95, 1.0],
         [0.0, 0.0, 0.0],
     ];
-    through(&points, Feed::PerSecond(100.0), Corner::Blend(TOLERANCE))
+    through(&points, Feed::PerSecond(FEED), Corner::Blend(TOLERANCE))
 }
 
 /// How far the axes are beside the place that the way on their block says, mm.
@@ -68,14 +70,21 @@ pub(crate) fn requests() -> [Ask; 5] {
     [Ask { hold: true, ..ask() }, ratio(0.0), ratio(0.2), ratio(1.7), Ask { single: true, ..ask() }]
 }
 
-/// A request from a cycle on: the machine stops in time if that asks for it, or at the end. It is taken back
-/// for a moment, asked for again, and taken back: the machine comes to its end.
-pub(crate) fn asked(at: &Stand, path: &Rounded, request: &Ask) {
+/// A request from a cycle on: the machine stops in so many cycles if that asks for it, or at the end. It is
+/// taken back for a moment, asked for again, and taken back: the machine comes to its end, and is never
+/// faster than it was asked to be, on blocks of [`FEED`] at most.
+pub(crate) fn asked(at: &Stand, path: &Rounded, request: &Ask, most_stop: u64) {
     let mut stand = at.clone();
+    let most = FEED * request.ratios.feed.max(1.0) * (1.0 + 1e-6);
+    let tick = |stand: &mut Stand, ask: &Ask| {
+        let goes_on = tick(stand, path, ask);
+        assert!(stand.speed() <= most, "{} mm/s after {request:?} at {}", stand.speed(), at.ticks());
+        goes_on
+    };
     let stops = request.hold || request.single || request.ratios.feed == 0.0;
     let mut stood = false;
-    for _ in 0..MOST_STOP {
-        if !tick(&mut stand, path, request) {
+    for _ in 0..most_stop {
+        if !tick(&mut stand, request) {
             stood = true;
             break;
         }
@@ -87,9 +96,9 @@ pub(crate) fn asked(at: &Stand, path: &Rounded, request: &Ask) {
     }
     assert!(stood || !stops, "{request:?} at {} does not stop", at.ticks());
     for again in [&ask(), request, &ask()] {
-        (0..5).for_each(|_| _ = tick(&mut stand, path, again));
+        (0..5).for_each(|_| _ = tick(&mut stand, again));
     }
-    while tick(&mut stand, path, &ask()) {}
+    while tick(&mut stand, &ask()) {}
     stand.ends();
 }
 
@@ -105,8 +114,26 @@ fn every_request_at_every_cycle_around_an_overlap() {
             tick(&mut at, &path, &ask());
         }
         while at.ticks() < around + AROUND && at.ticks() + 2 < free {
-            requests().iter().for_each(|request| asked(&at, &path, request));
+            requests().iter().for_each(|request| asked(&at, &path, request, MOST_STOP));
             tick(&mut at, &path, &ask());
+        }
+    }
+}
+
+/// On lines that leave room for it: what still speeds up when somebody asks for less gets no faster by that.
+#[test]
+fn who_asks_for_less_makes_it_no_faster() {
+    let points = [[0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [30.0, 20.0, 0.0]];
+    let blocks = through(&points, Feed::PerSecond(FEED), Corner::Blend(TOLERANCE));
+    let path = Rounded::new(&blocks);
+    let mut at = Stand::new(&blocks);
+    loop {
+        requests()
+            .iter()
+            .filter(|request| !request.single)
+            .for_each(|request| asked(&at, &path, request, MOST_STOP));
+        if !tick(&mut at, &path, &ask()) {
+            break;
         }
     }
 }
@@ -152,7 +179,7 @@ fn moves_of_a_cycle_with_overrides_in_between() {
                 at
             })
             .collect();
-        let blocks = through(&points, Feed::PerSecond(100.0), Corner::Blend(TOLERANCE));
+        let blocks = through(&points, Feed::PerSecond(FEED), Corner::Blend(TOLERANCE));
         let mut stand = Stand::of(&blocks, [FAST; 3], random.scale(5e-4, 8e-3));
         let mut asked = ask();
         while stand.tick(&asked) {
