@@ -4,9 +4,9 @@
 //!
 //! | the tool stands | it goes |
 //! |---|---|
-//! | in the box of a pass | along the axis that lifts it, to where it is clear; along the thread; then to the start |
+//! | on the way of a pass, or lifted off it | along the axis that lifts it, to where it is clear; along the thread; then to the start |
 //! | on a line, an arc or a curve | back on it, to its begin |
-//! | beside a line or an arc, in the box of a later pass | as out of that pass, to where the line leads or the contour begins |
+//! | beside a line or an arc, on the way of a later pass | as out of that pass, to where the line leads or the contour begins |
 //!
 //! A line and an arc are followed backwards exactly, a piece of a curve by lines that lie within a thousandth
 //! of what it rises, so what the tool has cut is free for it.
@@ -28,6 +28,8 @@ pub(super) const LED_MM: f64 = 0.02;
 const NEXT: usize = 3;
 /// How far an axis goes beyond the box of a pass while it brakes, along the thread and across it, mm.
 const BEYOND_MM: [f64; 2] = [8.0, 0.5];
+/// So many steps are seen of a part of a law: between them an arc bulges by far less than an axis may be off.
+const STEPS: u32 = 8;
 
 /// One item of the program and where the axes are before it.
 pub(super) type Step = (Item, PerAxis<Position>);
@@ -146,29 +148,54 @@ fn lowest_and_highest(ends: &[f64]) -> [f64; 2] {
     ends.iter().fold([f64::INFINITY, f64::NEG_INFINITY], beyond)
 }
 
-/// Whether a tool stands where a pass leads it.
+/// Whether a tool stands where a pass leads it: between the way that it cuts, every section of it, and where
+/// it is lifted to, as far along as it may have gone while it braked.
 fn is_in_box(pass: &ThreadPass, here: &PerAxis<Position>) -> bool {
     if pass.returns() {
         return is_in_hole(pass, here);
     }
     let [across, along] = across_and_along(pass);
-    [(along, BEYOND_MM[0]), (across, BEYOND_MM[1])].into_iter().all(|(axis, beyond_mm)| {
-        let (law, mm) = (pass.axis(axis), here[axis.index()].mm());
-        let start_mm = law.start.mm();
-        let mut ends = vec![start_mm, start_mm + law.stroke_mm, law.end.mm()];
-        if axis == across {
-            let lead = pass.axis(along);
-            let cone_mm = if lead.lead_mm == 0.0 {
-                0.0
-            } else {
-                law.lead_mm / lead.lead_mm * lead.end.mm_from(lead.start)
-            };
-            ends.extend([pass.out.clear.mm(), start_mm + law.stroke_mm + law.unload_mm]);
-            ends.push(start_mm + law.stroke_mm + cone_mm);
-        }
-        let [low, high] = lowest_and_highest(&ends);
-        (low - beyond_mm..=high + beyond_mm).contains(&mm)
-    })
+    let [across_mm, along_mm] = [across, along].map(|axis| here[axis.index()].mm());
+    let near = |ends: &[[f64; 2]]| {
+        let [low, high] = lowest_and_highest(&[ends[0][1], ends[1][1]]);
+        (low - BEYOND_MM[0]..=high + BEYOND_MM[0]).contains(&along_mm)
+    };
+    let way = way_of(pass, [across, along]);
+    let mut ends: Vec<f64> =
+        way.windows(2).filter(|ends| near(ends)).flatten().map(|place| place[0]).collect();
+    if ends.is_empty() {
+        return false;
+    }
+    let law = pass.axis(across);
+    ends.extend([law.start.mm(), law.end.mm(), pass.out.clear.mm()]);
+    let [low, high] = lowest_and_highest(&ends);
+    (low - BEYOND_MM[1]..=high + BEYOND_MM[1]).contains(&across_mm)
+}
+
+/// Places of two axes on the way of a pass, mm: where a part of their laws begins or ends, and between.
+fn way_of(pass: &ThreadPass, axes: [Axis; 2]) -> Vec<[f64; 2]> {
+    let windows = axes.iter().flat_map(|axis| {
+        let law = pass.axis(*axis);
+        let unloads_deg = law.stroke_c0_deg + law.stroke_dc_deg - law.unload_dc_deg;
+        [
+            [law.stroke_c0_deg, law.stroke_dc_deg],
+            [unloads_deg, law.unload_dc_deg],
+            [law.run_in_c0_deg, law.run_in_dc_deg],
+            [law.brake_c_deg, law.brake_dc_deg],
+            [law.retract_c_deg, law.retract_dc_deg],
+        ]
+    });
+    let corners = pass.corners().map(|corner| [corner.c_deg, corner.dc_deg]);
+    let mut parts: Vec<f64> = windows.chain(corners).flat_map(|[c, dc]| [c, c + dc]).collect();
+    parts.sort_by(f64::total_cmp);
+    parts.dedup();
+    let laws = axes.map(|axis| (pass.axis(axis).start.mm(), pass.law(axis)));
+    let between = |part: &[f64]| {
+        let [from, to] = [part[0], part[1]];
+        (0..=STEPS).map(move |step| from + (to - from) * f64::from(step) / f64::from(STEPS))
+    };
+    let place = |c_deg: f64| laws.each_ref().map(|(start_mm, law)| start_mm + law.at(c_deg).s);
+    parts.windows(2).flat_map(between).map(place).collect()
 }
 
 /// How far a place lies beside a straight way, mm.

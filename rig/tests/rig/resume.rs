@@ -2,8 +2,8 @@
 //! machine file are all that they know. Judged by the truth of the plant: the thread lies where it lay, all
 //! of it is cut, and the tool goes through nothing on its way.
 
-use machine::Machine;
-use protocol::{Axis, Code, Item};
+use machine::{Machine, ProgramDialect};
+use protocol::{Axis, Code, Item, PerAxis, Position};
 use rig::{
     Rig,
     journal::{Keeper, Origin, State},
@@ -210,7 +210,7 @@ fn examples_that_are_cut_are_finished_too() {
 }
 
 /// A state with nothing done, of a machine that stands at home.
-fn at_home(machine: &Machine) -> (State, [protocol::Position; protocol::units::AXES]) {
+fn at_home(machine: &Machine) -> (State, [Position; protocol::units::AXES]) {
     (State::nothing(), machine.home())
 }
 
@@ -236,14 +236,14 @@ fn what_does_not_fit_is_refused_by_its_name() {
     let positioner = Machine::from_toml(machine::POSITIONER).expect("a positioner");
     assert_eq!(refused(&positioner, nothing, home), Refusal::Positioner);
     let tap = compiled(&machine, "G18 G21 G90 G8 G94 G97\nM3 S300\nG0 X0 Z5\nG33.1 Z-12 K1.5\nM5\nM2\n");
-    let mut hole = [protocol::Position(0); protocol::units::AXES];
-    hole[Axis::Z.index()] = protocol::Position::from_mm(-7.0);
+    let mut hole = [Position(0); protocol::units::AXES];
+    hole[Axis::Z.index()] = Position::from_mm(-7.0);
     let open = State { open: 1, step: 3, ..nothing };
     let refused_tap = plan(&machine, || tap.iter().copied(), &open, &hole).expect_err("a tap in its hole");
     assert_eq!(refused_tap, Refusal::Tap { line: 4 });
     let mut moved = home;
-    moved[Axis::X.index()] = protocol::Position::from_mm(-3.0);
-    moved[Axis::Z.index()] = protocol::Position::from_mm(50.0);
+    moved[Axis::X.index()] = Position::from_mm(-3.0);
+    moved[Axis::Z.index()] = Position::from_mm(50.0);
     let text = refused(&machine, nothing, moved).to_string();
     assert!(text.contains("X -3.000") && text.contains("by hand"), "{text}");
 }
@@ -258,8 +258,8 @@ fn what_another_tool_did_is_not_gone_back_over() {
     // As far as it is known the contour of line 8 is in hand; measured is the rapid of the next tool.
     let step = items.iter().filter(|item| item.line < 8).map(Item::steps).sum();
     let known = State { step, ..nothing };
-    here[Axis::X.index()] = protocol::Position::from_mm(11.5);
-    here[Axis::Z.index()] = protocol::Position::from_mm(8.0);
+    here[Axis::X.index()] = Position::from_mm(11.5);
+    here[Axis::Z.index()] = Position::from_mm(8.0);
     let plan = plan(&machine, || items.iter().copied(), &known, &here).expect("it goes on");
     assert_eq!((plan.stands, plan.modal.tool, plan.line), (Stands::OnRapid(14), Some(3), 15));
     let [way] = &plan.way[..] else { panic!("{:?}", plan.way) };
@@ -305,4 +305,53 @@ fn a_speed_that_is_varied_is_varied_again() {
         "{:?}",
         plan.before
     );
+}
+
+/// Cut all over a program of one pass, it is gone on with from its way, and from no place under it, X and Z
+/// in mm; where it stood in the pass along an axis, mm.
+fn stood_in_pass(machine: &Machine, text: &str, along: Axis, under: [[f64; 2]; 2]) -> Vec<f64> {
+    let items = compiled(machine, text);
+    let (cycles, _) = borders(machine, &items, 1);
+    let mut stood = Vec::new();
+    for at in (1..16).map(|share| cycles * share / 16) {
+        let cut = cut(machine, &items, [1, at], 0);
+        if cut.known.open != 1 {
+            continue;
+        }
+        let here = cut.plant.measurement().axes.map(|axis| axis.position);
+        let planned = |here: &PerAxis<Position>| plan(machine, || items.iter().copied(), &cut.known, here);
+        let stands = |here: &PerAxis<Position>| planned(here).map(|plan| plan.stands);
+        assert_eq!(stands(&here), Ok(Stands::InPass(1)), "{}", cut.moment);
+        stood.push(here[along.index()].mm());
+        for [x_mm, z_mm] in under {
+            let mut under = here;
+            (under[Axis::X.index()], under[Axis::Z.index()]) =
+                (Position::from_mm(x_mm), Position::from_mm(z_mm));
+            let refused = stands(&under);
+            assert!(matches!(refused, Err(Refusal::Elsewhere { .. })), "{}: {refused:?}", cut.moment);
+        }
+        if stood.len() == 4 {
+            go_on(machine, &items, cut);
+        }
+    }
+    stood
+}
+
+/// A cylinder, a cone towards the axis, a cylinder again: the way of the pass is known in every section; so
+/// it is along an arc on a face.
+#[test]
+fn a_pass_that_is_cut_in_any_section_is_gone_on_with() {
+    let mut machine = Machine::default();
+    let text = "G18 G21 G90 G7 G94 G97\nS300 M3\nG0 X36 Z8\nG0 X25\nG33 Z-12 K2\nG33 X17 Z-24 K2\nG33 Z-44 K2\n\
+        G0 X36\nG0 Z8\nM5\nM2\n";
+    // The first is as deep as the last section, where the cone is still far.
+    let stood = stood_in_pass(&machine, text, Axis::Z, [[8.5, 0.0], [7.5, -35.0]]);
+    let in_section = |from: f64, to: f64| stood.iter().any(|z| (to..from).contains(z));
+    assert!(in_section(8.0, -12.0) && in_section(-12.0, -24.0) && in_section(-24.0, -44.0), "{stood:?}");
+
+    machine.general.dialect = ProgramDialect::Fanuc;
+    let text = "%\nO0003\nG21 G97 G99\nS300 M03\nG00 X24. Z5.\nG00 Z0.\nG36 X90. Z-4. R140. F4.\nG00 Z5.\n\
+        G00 X24.\nM05\nM30\n%\n";
+    let stood = stood_in_pass(&machine, text, Axis::X, [[13.0, -3.5], [44.0, -5.5]]);
+    assert!(stood.len() > 3 && stood.iter().any(|x| *x > 38.0), "{stood:?}");
 }
