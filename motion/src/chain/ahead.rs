@@ -201,8 +201,8 @@ impl Sections {
     }
 
     /// Looks at sections again, the last one first, `anew` because something else is asked for; true if one
-    /// of the nearest has another exit. Before those from `must` on it ends where nothing changes any more, or
-    /// where a round comes later. What the path allows only grows, because what is known of it stays.
+    /// of the nearest has another exit. Before those from `must` on it ends where nothing changes any more,
+    /// or where a round comes later. What the path allows only grows, because what is known of it stays.
     fn pass(&mut self, sections: Range<usize>, must: usize, anew: bool, ratios: &Ratios) -> bool {
         let (mut alike, mut near) = (0, false); // Sections in a row that are as they were.
         for k in sections.rev() {

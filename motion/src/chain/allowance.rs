@@ -14,12 +14,13 @@
 //! the same speeds; stretches joined to one have the lower of both limits at each of them. Where (M184) takes
 //! two ramps the law in hand ends between them, without acceleration.
 
-use super::SAME;
 use crate::feed::{FeedBlock, junction_distance};
 use crate::limits::Limits;
 use crate::ramp::Ramp;
 use crate::reach::reach;
 
+/// Ways that differ by less are one, mm.
+pub(super) const SAME: f64 = 1e-9;
 /// Speeds in a row: from the top speed down to 0.6 of it, where bends take a third at most.
 const SPEEDS: usize = 4;
 /// Speeds of the row from one to its double: 2^(k/4).

@@ -47,6 +47,7 @@ use crate::path::Path;
 use crate::sample::Sample;
 
 use ahead::{SECTIONS, Sections};
+use allowance::SAME;
 pub use asked::{Feed, LEAST_FEED, MOST_RATIO, Ratios};
 pub use junction::Corner;
 use law::Law;
@@ -61,8 +62,6 @@ pub const BLOCKS: usize = 1024;
 const LEAST_CYCLES: f64 = 0.0625;
 /// Most stretches of a block with limits of their own.
 const ZONES: usize = 3;
-/// Ways that differ by less are one, mm.
-const SAME: f64 = 1e-9;
 
 /// What a chain is laid out for.
 #[derive(Clone, Copy, Debug, PartialEq)]
