@@ -18,8 +18,8 @@ use super::cut::{Along, Cut, Point};
 
 /// Leads and growths that differ by less are one, mm.
 const SAME: f64 = 1e-12;
-/// A line that moves Z by less does not move it, mm: the quantum of the wire.
-const NO_WAY: f64 = 1e-9;
+/// A line that moves an axis by less does not move it, mm: the quantum of the wire.
+pub(super) const NO_WAY: f64 = 1e-9;
 
 /// One thread of a chain, or a piece of one along an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,11 +6,8 @@
 
 use gcode::canon::Units;
 
-use super::chain::{Broken, Chain, Leg};
+use super::chain::{Broken, Chain, Leg, NO_WAY};
 use super::cut::{Along, Cut, Point};
-
-/// A path that moves an axis by less does not move it, mm: the quantum of the wire.
-const SAME: f64 = 1e-9;
 
 /// A tool that has gone this many leads away from the path is out of any thread profile: those are less than
 /// one lead deep.
@@ -62,7 +59,7 @@ impl Single {
         let first = self.legs.first().map_or(self.from, |leg| leg.to);
         let way = |from: Point, to: Point| along.of(to) - along.of(from);
         let (one, other) = (way(self.from, first), way(self.to(), leg.to));
-        if one * other <= 0.0 || other.abs() < SAME || along != leg.along {
+        if one * other <= 0.0 || other.abs() < NO_WAY || along != leg.along {
             return Some(Broken::Turns(along));
         }
         let legs: Vec<Leg> = self.legs.iter().chain([leg]).copied().collect();

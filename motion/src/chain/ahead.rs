@@ -52,7 +52,7 @@ pub(super) struct Sections {
 struct Round {
     /// How often something else had been asked for when it began; when the nearest sections were looked at.
     asked: u32,
-    near: u32,
+    nearest: u32,
     /// Sections that it has not come to.
     waits: usize,
 }
@@ -168,12 +168,12 @@ impl Sections {
     /// all been looked at: until then those in between have soft exits for what was asked for before.
     pub(super) fn look_ahead(&mut self, ratios: &Ratios, near: f64, most: usize) -> bool {
         let len = self.ring.len();
-        let asked = self.round.near != self.asked;
+        let asked = self.round.nearest != self.asked;
         if asked {
             self.pass(0..len.min(AT_ONCE), 0, true, ratios);
-            self.round.near = self.asked;
+            self.round.nearest = self.asked;
             if len <= AT_ONCE {
-                self.round = Round { asked: self.asked, near: self.asked, waits: 0 };
+                self.round = Round { asked: self.asked, nearest: self.asked, waits: 0 };
             }
         }
         if self.round.waits == 0 && self.round.asked != self.asked {

@@ -99,7 +99,6 @@ fn small_bends_at_high_feed_do_not_run_dry() {
     assert!(seen.traces[0].commanded.max_abs_um() < 2.0, "{:?}", seen.traces[0].commanded);
     let foretold = interpreter::time_s(&program, &mill()).unwrap();
     let took = seen.cycles as f64 * 0.0005;
-    // Bends as short as a ramp: how many of them the next law passes depends on how many are known by then.
     assert!((took - foretold).abs() < 0.01 * foretold, "{took} s, foretold {foretold} s");
 }
 
