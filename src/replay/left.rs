@@ -206,25 +206,26 @@ fn arguments(dir: &Path, summary: Option<&Summary>, input: Option<[u8; 16]>) -> 
         Some(summary) => Vec::from_iter(Path::new(&summary.program).file_name().map(Into::into)),
         None => may_be_programs(dir),
     };
+    let others = summary.map(|summary| changed(dir, summary)).unwrap_or_default();
     for name in names {
         let mut args = arguments_of(&of_folder(dir), dir, &name)?;
         args.gauge.gauge = summary.and_then(Summary::repeats_gauge);
         let shop = args.machine.with_language(&args.language)?;
         let judged = Program::read(&args.program, &shop.language.language(), &shop.machine, None);
-        let fits = judged.is_ok_and(|judged| {
-            input.is_none_or(|input| input_of(dir, &judged, &name).is_ok_and(|held| held == input))
-        });
+        let fits = others.is_empty()
+            && judged.is_ok_and(|judged| {
+                input.is_none_or(|input| input_of(dir, &judged, &name).is_ok_and(|held| held == input))
+            });
         if fits {
             return Ok(args);
         }
     }
-    let others = summary.map(|summary| changed(dir, summary)).unwrap_or_default();
     let missing = dir.join(MACHINE).metadata().is_err().then(|| MACHINE.to_string());
     let others = Vec::from_iter(others.into_iter().chain(missing));
     let which = if others.is_empty() { String::new() } else { format!(" ({})", others.join(", ")) };
     let text = format!(
-        "the program, the machine file, tools or parameters in it are not those of its journal: they were changed since{which}, \
-         and nobody knows where it stands in them\nhelp: put back what was changed, or run the program from its beginning"
+        "the program, the machine file, the scenario, tools or parameters in it are not those of its journal: they were changed \
+         since{which}, and nobody knows where it stands in them\nhelp: put back what was changed, or run the program from its beginning"
     );
     Err(CliError::file(dir, text))
 }

@@ -132,7 +132,7 @@ impl RunFolder {
         };
         let every_cycle = matches!(args.trace, Trace::Full | Trace::FullCsv);
         let named = args.program.display().to_string();
-        let (input, hashes) = hashes(deciding(&path, judged, name), scenario.clone())?;
+        let (input, hashes) = hashes(deciding(&path, judged, name))?;
         Ok(RunFolder {
             named,
             program,
@@ -171,28 +171,24 @@ impl RunFolder {
     }
 }
 
-/// The files in a run folder that decide what its program does.
+/// The files in a run folder that decide what its program does, and what happens to it.
 fn deciding(folder: &Path, judged: &Program, name: &OsStr) -> Vec<PathBuf> {
     let part = judged.part_file.as_ref().map(|_| Path::new(name).with_extension("toml").into_os_string());
     let subroutines = judged.subroutine_files().filter_map(|file| file.file_name().map(OsStr::to_owned));
-    let kept = [MACHINE, LANGUAGE, TOOLS, PARAMETERS, INI].map(OsString::from);
+    let kept = [MACHINE, LANGUAGE, TOOLS, PARAMETERS, INI, SCENARIO].map(OsString::from);
     let names = std::iter::once(name.to_owned()).chain(part).chain(subroutines).chain(kept);
     names.map(|name| folder.join(name)).filter(|path| path.exists()).collect()
 }
 
-/// The hash of all deciding files together, and, in hex, that of each and of the scenario by its name.
-fn hashes(
-    deciding: Vec<PathBuf>,
-    scenario: Option<PathBuf>,
-) -> Result<([u8; 16], BTreeMap<String, String>), CliError> {
+/// The hash of all deciding files together, and, in hex, that of each by its name.
+fn hashes(deciding: Vec<PathBuf>) -> Result<([u8; 16], BTreeMap<String, String>), CliError> {
     let hashed = |path: PathBuf| match rig::hash::of_file(&path) {
         Ok(hash) => Ok((path, hash)),
         Err(error) => Err(CliError::file(&path, error)),
     };
     let deciding = deciding.into_iter().map(hashed).collect::<Result<Vec<_>, CliError>>()?;
-    let scenario = scenario.map(hashed).transpose()?;
     let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let each = deciding.iter().chain(&scenario).map(|(path, hash)| (name(path), hash.to_hex().to_string()));
+    let each = deciding.iter().map(|(path, hash)| (name(path), hash.to_hex().to_string()));
     Ok((rig::journal::fingerprint(&deciding), each.collect()))
 }
 
@@ -334,7 +330,7 @@ pub(crate) fn may_be_programs(folder: &Path) -> Vec<OsString> {
 
 /// Hash of the files in a run folder that decide what the program of this name does.
 pub(crate) fn input_of(folder: &Path, judged: &Program, name: &OsStr) -> Result<[u8; 16], CliError> {
-    hashes(deciding(folder, judged, name), None).map(|(input, _)| input)
+    hashes(deciding(folder, judged, name)).map(|(input, _)| input)
 }
 
 /// The arguments of a run by what its folder keeps, for a program of this name.

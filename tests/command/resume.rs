@@ -169,6 +169,11 @@ fn a_run_that_goes_on_is_gone_on_with_and_made_again() {
         "first",
     ]);
     assert_eq!(aborted.status, Some(1), "{}", aborted.stderr);
+    // Without what has happened to it it was another run.
+    fs::rename(place.at("first/scenario.toml"), place.at("kept.toml")).expect("it is there");
+    let other = place.ask(&["run", "first", "--resume", "--dry-run"]);
+    assert!(other.status == Some(2) && other.stderr.contains("(scenario.toml)"), "{}", other.stderr);
+    fs::rename(place.at("kept.toml"), place.at("first/scenario.toml")).expect("it is there");
     let told = place.ask(&["run", "first", "--resume", "--dry-run"]);
     assert_eq!(told.status, Some(0), "{}", told.stderr);
     for words in ["the operator ended the program", "not known", "begins    at line 12, pass 2, whole"] {
@@ -301,6 +306,10 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
     in_place_of("screw.ngc", PROGRAM.replace("J0.8", "J0.7").as_bytes(), "were changed since");
     let machine = fs::read_to_string(place.at("run/machine.toml")).expect("a machine file");
     in_place_of("machine.toml", format!("{machine}\n# mended\n").as_bytes(), "were changed since");
+    // Nothing has happened to it that was not to happen.
+    fs::write(place.at("run/scenario.toml"), "").expect("room");
+    refused(&[], "the scenario, tools or parameters in it are not those of its journal");
+    fs::remove_file(place.at("run/scenario.toml")).expect("it is there");
     let journal = fs::read(place.at("run/journal.bin")).expect("a journal");
     in_place_of("journal.bin", &of_other_version(&place, &journal), "another version of pitchlock");
     let live = "pitchlock arrivals 1\nby 0.0.1 0.0.1\nmachine one-process\nclock virtual\nseed 1\n";

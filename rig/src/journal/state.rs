@@ -125,5 +125,5 @@ impl State {
 }
 
 impl Kept for State {
-    const MAGIC: [u8; 8] = *b"PITCHJ\0\x02";
+    const MAGIC: [u8; 8] = *b"PITCHJ\0\x03";
 }
