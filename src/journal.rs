@@ -4,10 +4,14 @@ use std::{fmt::Write as _, path::PathBuf, process::ExitCode};
 
 use clap::Args;
 use protocol::{Axis, AxisState, Fault, Panel};
-use rig::journal::{Act, MOST, State, latest};
+use rig::journal::{Act, MOST, State, has_other_version, latest};
 use serde_json::{Map, Value, json};
 
-use crate::{error::CliError, run::JOURNAL, screen};
+use crate::{
+    error::CliError,
+    run::{JOURNAL, claim::is_held, folder::without_journal},
+    screen,
+};
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock journal runs/m20x2-1
@@ -28,19 +32,27 @@ pub(crate) struct JournalArgs {
 /// Prints what is known of a run.
 pub(crate) fn journal(args: &JournalArgs) -> Result<ExitCode, CliError> {
     let path = args.run_dir.join(JOURNAL);
-    let bytes = intake::bytes(&path, MOST).map_err(|error| {
-        CliError::file(
-            &path,
-            format!("{error}\nhelp: name the folder of a run, as in runs/m20x2-1: it has a {JOURNAL}"),
-        )
-    })?;
+    let bytes = intake::bytes(&path, MOST).map_err(|error| without_journal(&args.run_dir, &error))?;
     let Some((record, state)) = latest::<State>(&bytes) else {
-        return Err(CliError::file(&path, "holds no whole record: nothing is known of this run"));
+        if has_other_version::<State>(&bytes) {
+            return Err(CliError::file(
+                &path,
+                "was written by another version of pitchlock: read it by that one",
+            ));
+        }
+        let goes_on = match is_held(&args.run_dir) {
+            true => "this run is about to begin, and nothing is known of it yet".into(),
+            false => format!(
+                "holds no whole record: nothing is known of this run\nhelp: `pitchlock run {} --resume` goes by where the axes stand",
+                args.run_dir.display()
+            ),
+        };
+        return Err(CliError::file(&path, goes_on));
     };
     if args.json {
         screen::print(&format!("{:#}\n", as_json(record, &state)));
     } else {
-        screen::print(&told(record, &state));
+        screen::print(&told(record, &state, is_held(&args.run_dir)));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -95,14 +107,15 @@ fn on(bits: u64) -> Vec<u32> {
     (0..u64::BITS).filter(|number| bits >> number & 1 == 1).collect()
 }
 
-/// What a record knows, in words.
-pub(crate) fn told(record: u64, state: &State) -> String {
+/// What a record knows, in words, of a run that goes on or does not.
+pub(crate) fn told(record: u64, state: &State, goes_on: bool) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "known     up to control cycle {} (record {record})", state.cycle);
     let ended = match end(state) {
         "completed" => "the program came to its end".into(),
         "stopped" => "the operator ended the program".into(),
-        "open" => "not known: the run was broken off, or goes on".into(),
+        "open" if goes_on => "none yet: the run goes on".into(),
+        "open" => "not known: the run was broken off".into(),
         fault => format!("fault {fault}"),
     };
     let _ = writeln!(text, "end       {ended}");

@@ -7,7 +7,11 @@ use rig::observe::Summary;
 
 use crate::{
     error::CliError,
-    run::{JOURNAL, claim::SUMMARY, folder::without_summary},
+    run::{
+        JOURNAL,
+        claim::{SUMMARY, is_claimed},
+        folder::without_summary,
+    },
     screen,
     words::{self, Phase},
     written::{self, Made},
@@ -24,7 +28,8 @@ pub(crate) struct ReportArgs {
 
 /// Draws `report.html` of a run folder, and prints its path.
 pub(crate) fn report(args: &ReportArgs) -> Result<ExitCode, CliError> {
-    if !args.run_dir.join(SUMMARY).exists() && args.run_dir.join(JOURNAL).exists() {
+    let is_of_a_run = is_claimed(&args.run_dir) || args.run_dir.join(JOURNAL).exists();
+    if !args.run_dir.join(SUMMARY).exists() && is_of_a_run {
         return Err(without_summary(&args.run_dir, String::new()));
     }
     written::free(&args.run_dir.join("report.html"), Made::Page)?;

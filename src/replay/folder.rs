@@ -144,6 +144,11 @@ impl Recorded {
         self.arrivals.damaged
     }
 
+    /// Whether the record of what reached its modules was finished.
+    pub(super) fn has_an_end(&self) -> bool {
+        self.arrivals.ended
+    }
+
     /// The machine code of the program; what stands behind an error is not run.
     pub(super) fn items(&self) -> Result<Items, CliError> {
         self.items_by(self.tools())

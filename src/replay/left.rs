@@ -21,7 +21,7 @@ use crate::{
     run::{
         JOURNAL, RunArgs,
         claim::is_held,
-        folder::{ARRIVALS, MACHINE, arguments_of, changed, input_of, may_be_programs},
+        folder::{ARRIVALS, MACHINE, arguments_of, changed, input_of, may_be_programs, without_journal},
         moment,
     },
 };
@@ -47,10 +47,7 @@ impl Left {
             return Err(CliError::file(dir, "this run still goes on: wait until it has ended"));
         }
         let path = dir.join(JOURNAL);
-        let bytes = intake::bytes(&path, MOST).map_err(|error| {
-            let help = "name the folder of a run, as in runs/m20x2-1: it has a journal.bin";
-            CliError::file(&path, format!("{error}\nhelp: {help}"))
-        })?;
+        let bytes = intake::bytes(&path, MOST).map_err(|error| without_journal(dir, &error))?;
         let known = latest::<State>(&bytes);
         if known.is_none() && has_other_version::<State>(&bytes) {
             return Err(CliError::file(&path, OTHER_VERSION));
@@ -97,6 +94,11 @@ impl Left {
     /// Whether what reached its modules last is not known.
     pub(crate) fn record_is_damaged(&self) -> bool {
         self.recorded.record_is_damaged()
+    }
+
+    /// Whether its launcher has seen the end of its machine.
+    pub(crate) fn has_an_end(&self) -> bool {
+        self.recorded.has_an_end()
     }
 
     /// The arguments of a run that goes on with it; of what is asked counts what says where it is written and

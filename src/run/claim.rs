@@ -107,6 +107,12 @@ fn is_own(path: &Path, folder: &File) -> Result<(), CliError> {
     }
 }
 
+/// Whether a run has taken room for its summary in a folder and has not written it: it goes on, or was
+/// broken off.
+pub(crate) fn is_claimed(path: &Path) -> bool {
+    path.join("summary.json.new").exists()
+}
+
 /// Whether a run still writes into a folder.
 pub(crate) fn is_held(path: &Path) -> bool {
     File::open(path).is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock)))

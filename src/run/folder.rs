@@ -13,7 +13,7 @@ use protocol::{Item, code_file::CodeFile};
 use rig::{observe::Summary, trace};
 
 use super::args::{RunArgs, Trace};
-use super::claim::{Claim, SUMMARY, is_held};
+use super::claim::{Claim, SUMMARY, is_claimed, is_held};
 use super::journal::JOURNAL;
 use super::moment::{LIVE, MOMENT};
 use crate::{error::CliError, program::Program};
@@ -299,6 +299,9 @@ pub(crate) fn repeated(args: &RunArgs) -> Result<RunArgs, CliError> {
 /// What is said of a folder whose summary cannot be read: of a run that goes on, or was broken off, there is
 /// none.
 pub(crate) fn without_summary(folder: &Path, error: String) -> CliError {
+    if let Some(early) = without_machine(folder) {
+        return early;
+    }
     let name = folder.display();
     let shows = format!("`pitchlock journal {name}` shows what it knows");
     let text = if folder.join(SUMMARY).exists() || !folder.join(JOURNAL).exists() {
@@ -314,6 +317,29 @@ pub(crate) fn without_summary(folder: &Path, error: String) -> CliError {
         )
     };
     CliError::Input(text)
+}
+
+/// What is said of a run whose machine has not started: it has taken its folder, and there is no journal yet.
+pub(crate) fn without_machine(folder: &Path) -> Option<CliError> {
+    if !is_claimed(folder) || [SUMMARY, JOURNAL].iter().any(|name| folder.join(name).exists()) {
+        return None;
+    }
+    let text = match is_held(folder) {
+        true => "this run is about to begin\nhelp: wait until it has ended",
+        false => {
+            "this run was broken off before its machine started: nothing has moved, and there is nothing to go on with\n\
+             help: run the program from its beginning; the folder can be removed"
+        }
+    };
+    Some(CliError::file(folder, text))
+}
+
+/// What is said of a folder whose journal cannot be read.
+pub(crate) fn without_journal(folder: &Path, error: &std::io::Error) -> CliError {
+    without_machine(folder).unwrap_or_else(|| {
+        let help = format!("name the folder of a run, as in runs/m20x2-1: it has a {JOURNAL}");
+        CliError::file(&folder.join(JOURNAL), format!("{error}\nhelp: {help}"))
+    })
 }
 
 /// Files in a run folder that may be its program.

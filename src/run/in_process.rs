@@ -83,9 +83,10 @@ pub(crate) fn run(setup: &Setup, interrupts: &mut Interrupts) -> Result<Recorded
         }
     }
     endings.ends(supervisor.end());
-    let Recorded { mut summary, failed, stands } = recorder.finish(&setup.folder.named, setup.clock);
-    endings.tell(&mut summary);
-    Ok(Recorded { summary: complete(summary, setup, begun), failed, stands })
+    let mut recorded = recorder.finish(&setup.folder.named, setup.clock);
+    endings.tell(&mut recorded.summary);
+    complete(&mut recorded.summary, setup, begun);
+    Ok(recorded)
 }
 
 type Items = Box<dyn Iterator<Item = Item>>;

@@ -36,10 +36,9 @@ pub(crate) struct Interrupts {
     asked: Arc<AtomicBool>,
 }
 
-/// After the run signals do what they do to any program: nothing that is still to be printed may hold it up.
 impl Drop for Interrupts {
     fn drop(&mut self) {
-        self.over.store(true, Ordering::Relaxed);
+        self.let_go();
     }
 }
 
@@ -64,8 +63,15 @@ impl Interrupts {
         self.wish() != Wish::None
     }
 
-    /// Another run begins: what was asked for in the one before is over.
+    /// The run is over: signals do what they do to any program, and nothing that is still to be written or
+    /// printed holds that up.
+    pub(crate) fn let_go(&self) {
+        self.over.store(true, Ordering::Relaxed);
+    }
+
+    /// Another run may begin: what was asked for in the one before is over.
     pub(crate) fn forget(&mut self) {
+        self.over.store(false, Ordering::Relaxed);
         self.wish = Wish::None;
         self.asked.store(false, Ordering::Relaxed);
     }

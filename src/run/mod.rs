@@ -23,7 +23,10 @@ mod summed;
 mod traced;
 mod watchdog;
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use interpreter::Entry;
 use machine::Machine;
@@ -47,12 +50,13 @@ use crate::{
 };
 use args::Fell;
 pub(crate) use args::{HELP, RunArgs, Timing, Trace};
-use folder::{RunFolder, Seen};
+use claim::SUMMARY;
+use folder::{ARRIVALS, RunFolder, Seen};
 use interrupts::Interrupts;
 pub(crate) use journal::JOURNAL;
 use keeps::Keeps;
-use recorder::Recorded;
 pub(crate) use recorder::axes;
+use recorder::{Recorded, keep_arrivals};
 use resumed::Resumed;
 use scenario::can_be_played;
 pub(crate) use scenario::read_scenario;
@@ -254,9 +258,7 @@ impl Prepared {
             unkept: args.unkept,
             resumed,
         };
-        // The document of `panel --json` is where the panel is.
-        let json = args.json && (asked.with_panel || !args.with_panel);
-        Ok(Prepared { setup, keeps, in_process: args.in_process, json })
+        Ok(Prepared { setup, keeps, in_process: args.in_process, json: args.json })
     }
 
     /// Runs it, and says what came of it.
@@ -269,11 +271,20 @@ impl Prepared {
         let Prepared { mut setup, keeps, in_process, json } = self;
         let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
         live.as_mut().map_or(Ok(()), |live| live.prepared(&setup))?;
-        let Recorded { mut summary, failed: unrecorded, stands } = if in_process {
+        let Recorded { mut summary, failed: unrecorded, stands, arrivals } = if in_process {
             in_process::run(&setup, caught)?
         } else {
             processes::run(&setup, caught, live.as_deref_mut())?
         };
+        summary.program_warnings = setup.program.warnings();
+        if stands {
+            let text = summed_up(&summary, None);
+            words::say(&format!(
+                "{text}pitchlock: the disk does not answer; {ARRIVALS}, summary and report wait for it\n"
+            ));
+            // Whoever does not want to wait for it need not.
+            caught.let_go();
+        }
         let given = live.as_mut().and_then(|live| live.given());
         let mut kept = Ok(());
         if let Some((items, outlasting)) = given {
@@ -281,46 +292,61 @@ impl Prepared {
             kept = keeps.as_ref().map_or(Ok(()), |keeps| keeps.what_was_set(&outlasting));
         }
         summary.files.clone_from(&setup.folder.hashes);
-        summary.program_warnings = setup.program.warnings();
         if !setup.by_hand && !setup.folder.is_as_it_was() {
             endings::program_changed(&mut summary);
         }
-        if stands {
-            let text = summed_up(&summary, None);
-            words::say(&format!(
-                "{text}pitchlock: the disk does not answer; summary and report wait for it\n"
-            ));
-            // Whoever does not want to wait for it need not.
-            if live.as_ref().is_none_or(|live| live.ends_with_its_run) {
-                drop(interrupts.take());
-            }
-        }
         // Whatever cannot be written: what became of the run is said.
-        let written = summary.write(&setup.folder.path.join("summary.json")).map_err(CliError::from);
-        let pressed = live.as_mut().map_or(Ok(()), |live| live.ends(&summary, &setup.folder.path));
-        if live.is_none_or(|live| live.ends_with_its_run) {
-            drop(interrupts.take());
-        }
+        let folder = setup.folder.path.clone();
+        let recorded = arrivals.map_or(Ok(()), |arrivals| keep_arrivals(&folder, &arrivals));
+        let written = summary.write(&folder.join(SUMMARY)).map_err(CliError::from);
+        let pressed = live.as_mut().map_or(Ok(()), |live| live.ends(&summary, &folder));
+        caught.let_go();
         let left = || keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
         let kept = kept.and_then(|()| left());
         let drawing = Phase::begin(DRAWING);
-        let report = written.and_then(|()| Ok(report::render(&setup.folder.path)?));
+        let report = written.and_then(|()| Ok(report::render(&folder)?));
         drop(drawing);
-        if quiet && let Some(fault) = summary.faults.first() {
-            words::say(&format!("error: {}\n", told(fault)));
-        }
-        if json {
-            let text = serde_json::to_string_pretty(&summary)
-                .map_err(|error| CliError::Machine(error.to_string()))?;
-            screen::print(&format!("{text}\n"));
-        } else if !quiet {
-            screen::print(&summed_up(&summary, report.as_deref().ok()));
-        }
-        if let Some(error) = unrecorded.or(report.err()).or(kept.err()).or(pressed.err()) {
+        // The folder is whole, and nobody's any more, before anything waits for a reader.
+        drop(setup);
+        let form = match live {
+            Some(live) if !live.ends_with_its_run => Form::Said,
+            _ if json => Form::Json,
+            _ => Form::Printed,
+        };
+        tell_end(&summary, report.as_deref().ok(), form, quiet)?;
+        if let Some(error) = unrecorded.or(recorded.err()).or(report.err()).or(kept.err()).or(pressed.err()) {
             return Err(error);
         }
         Ok(status(&summary))
     }
+}
+
+/// How it is told what came of a run.
+enum Form {
+    /// Printed as one document.
+    Json,
+    /// Printed in words.
+    Printed,
+    /// Said: a panel that stays waits for no reader.
+    Said,
+}
+
+/// Tells what came of a run.
+fn tell_end(summary: &Summary, report: Option<&Path>, form: Form, quiet: bool) -> Result<(), CliError> {
+    if quiet && let Some(fault) = summary.faults.first() {
+        words::say(&format!("error: {}\n", told(fault)));
+    }
+    match form {
+        Form::Json => {
+            let text = serde_json::to_string_pretty(summary);
+            let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
+            screen::print(&format!("{text}\n"));
+        }
+        _ if quiet => {}
+        Form::Printed => screen::print(&summed_up(summary, report)),
+        Form::Said => words::say(&summed_up(summary, report)),
+    }
+    Ok(())
 }
 
 /// 0 done, and the part is good as far as it is judged; 1 not done; 3 done, but the part is not good, and why

@@ -76,20 +76,21 @@ pub(crate) fn run(
     launch.run()?;
     let counts = launch.end()?;
     let Launch { recorder, channels, mut started, endings, .. } = launch;
-    let Recorded { mut summary, failed, stands } = recorder.finish(&setup.folder.named, setup.clock);
+    let mut recorded = recorder.finish(&setup.folder.named, setup.clock);
+    let summary = &mut recorded.summary;
     summary.deadline_misses = channels.late_answers();
     summary.processes = started.iter().map(Started::report).collect();
     summary.real_time = started.iter_mut().filter_map(Started::said).collect();
     summary.channels = counts;
-    endings.tell(&mut summary);
-    Ok(Recorded { summary: complete(summary, setup, begun), failed, stands })
+    endings.tell(summary);
+    complete(summary, setup, begun);
+    Ok(recorded)
 }
 
 /// What only the launcher knows of a run.
-pub(crate) fn complete(mut summary: Summary, setup: &Setup, begun: Moment) -> Summary {
+pub(crate) fn complete(summary: &mut Summary, setup: &Setup, begun: Moment) {
     summary.seed = setup.seed;
     summary.wall_s = begun.elapsed().as_secs_f64();
-    summary
 }
 
 /// A machine that runs.

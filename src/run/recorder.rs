@@ -2,7 +2,7 @@
 //! progress bar.
 
 use std::{
-    path::PathBuf,
+    path::Path,
     sync::{Arc, atomic::AtomicBool},
     time::Duration,
 };
@@ -35,6 +35,17 @@ pub(crate) struct Recorded {
     pub(crate) failed: Option<CliError>,
     /// The disk does not answer.
     pub(crate) stands: bool,
+    /// What reached the modules, if that is kept.
+    pub(super) arrivals: Option<Arrivals>,
+}
+
+/// Writes what reached the modules as a whole file into a run folder.
+pub(super) fn keep_arrivals(folder: &Path, arrivals: &Arrivals) -> Result<(), CliError> {
+    let kept = folder.join(ARRIVALS);
+    let replaced = intake::replace(&kept, arrivals.text().as_bytes());
+    replaced.map_err(|error| CliError::file(&kept, error))?;
+    moment::remove(folder);
+    Ok(())
 }
 
 /// Records one run.
@@ -48,7 +59,6 @@ pub(crate) struct Recorder {
     journal: Option<Journal>,
     /// What reached the modules otherwise than in lock step.
     pub(crate) arrivals: Collector,
-    folder: PathBuf,
     progress: Progress,
     cycle_s: f64,
     failed: Option<CliError>,
@@ -84,7 +94,6 @@ impl Recorder {
             hash: None,
             journal: (!setup.unkept).then(journal).transpose()?,
             arrivals: Collector::new(one_process, setup.machine.cycles_per_tick()),
-            folder: setup.folder.path.clone(),
             progress: Progress::new(setup),
             cycle_s: setup.machine.general.cycle_s,
             failed: None,
@@ -149,30 +158,17 @@ impl Recorder {
     pub(crate) fn finish(mut self, program: &str, clock: Clock) -> Recorded {
         self.end_of_trace();
         self.progress.finish();
+        let is_kept = self.journal.is_some();
         if let Some(journal) = self.journal.take() {
             // A disk that does not answer is not waited for twice.
             let patience = if self.stands { Duration::ZERO } else { DISK };
             journal.finish(patience).unwrap_or_else(|error| self.fails("the journal: ", error));
-            // Of a disk that does not answer, the record of a run that was broken off is left.
-            if !self.stands
-                && let Err(error) = self.keep_arrivals()
-            {
-                self.failed.get_or_insert(error);
-            }
         }
         let mut summary = self.observer.finish().summary(program, clock_name(clock));
         summary.warnings.extend(self.lost.told());
         summary.trace_file_hash = self.hash;
-        Recorded { summary, failed: self.failed, stands: self.stands }
-    }
-
-    /// What reached the modules, as a whole file.
-    fn keep_arrivals(&mut self) -> Result<(), CliError> {
-        let kept = self.folder.join(ARRIVALS);
-        let replaced = intake::replace(&kept, self.arrivals.so_far().text().as_bytes());
-        replaced.map_err(|error| CliError::file(&kept, error))?;
-        moment::remove(&self.folder);
-        Ok(())
+        let arrivals = is_kept.then(|| self.arrivals.finish());
+        Recorded { summary, failed: self.failed, stands: self.stands, arrivals }
     }
 }
 

@@ -89,7 +89,7 @@ impl Resumed {
 
     fn told(&self) -> String {
         let mut text = match &self.left.known {
-            Some((record, state)) => journal::told(*record, state),
+            Some((record, state)) => journal::told(*record, state, false),
             None => "known     nothing: its journal has no whole record\n".into(),
         };
         for unknown in self.unknown() {
@@ -118,8 +118,13 @@ impl Resumed {
             None => "how far it came: it begins where the tool may have been first".into(),
         }];
         if self.left.record_is_damaged() {
-            let text = "what was done at the panel, or failed, last: the end of arrivals.txt or arrivals.live is damaged, and the machine is \
-                        made again without it";
+            let text = "what was done at the panel, or failed, last: the end of arrivals.txt or arrivals.live is damaged or lost, and the \
+                        machine is made again without it";
+            unknown.push(text.into());
+        }
+        if !self.left.has_an_end() {
+            let text = "whether its machine lost its power, as is taken here: one whose launcher alone was killed comes to rest by an \
+                        emergency stop, and its tool leaves the thread";
             unknown.push(text.into());
         }
         if let Stands::InPass(pass) = self.plan.stands {

@@ -317,21 +317,6 @@ fn closing_the_terminal_after_ctrl_c_asks_for_no_more_than_a_stop() {
     assert_eq!((summary.outcome, codes(&summary)), (Outcome::Stopped, vec![]));
 }
 
-#[test]
-fn after_the_run_a_signal_ends_a_launcher_whose_result_nobody_reads() {
-    let place = Place::new();
-    let (_unread, mut full) = std::io::pipe().expect("a pipe");
-    full.write_all(&[b'x'; PIPE]).expect("it holds that much");
-    let short = "G18 G21 G90 G94\nG0 X50 Z90\nG1 X49 F600\nM2\n";
-    let mut command = command(&place, short, machine::SMALL_LATHE);
-    let mut launcher = command.stdout(full).spawn().expect("it starts");
-    drop(command);
-    until("the report is drawn", || place.at("run/report.html").exists());
-    wait_s(0.5);
-    signal(launcher.id(), "TERM");
-    assert!(ends(&mut launcher, 20.0), "it cannot be ended");
-}
-
 /// A cycle start that comes before the hold does nothing, and nobody presses another one.
 #[test]
 fn a_hold_that_nobody_releases_ends_the_run_and_is_named() {

@@ -62,3 +62,47 @@ fn a_run_that_ended_says_so() {
     let told = place.ask(&["journal", "run"]);
     assert!(told.stdout.contains("the program came to its end"), "{}", told.stdout);
 }
+
+/// The machine has not started, nothing has moved, and every command says so and what to do.
+#[test]
+fn a_run_that_was_killed_before_its_machine_started_is_told_as_such() {
+    let place = Place::new();
+    let program = place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nG1 X49 F600\nM2\n");
+    place.run(&program, "run", &["--in-process"]);
+    // What it leaves when it is killed then: copies, and room for the summary.
+    for name in ["summary.json", "journal.bin", "arrivals.txt", "trace.mcap", "report.html"] {
+        std::fs::remove_file(place.at("run").join(name)).expect("it is there");
+    }
+    std::fs::write(place.at("run/summary.json.new"), [0; 4096]).expect("room");
+    let told = |words: &[&str]| {
+        for command in [
+            &["journal", "run"][..],
+            &["run", "run"],
+            &["run", "run", "--resume"],
+            &["replay", "run"],
+            &["diff", "run", "run"],
+            &["report", "run"],
+            &["panel", "run"],
+        ] {
+            let answer = place.ask(command);
+            assert_eq!(answer.status, Some(2), "{command:?}: {}", answer.stderr);
+            for words in words {
+                assert!(answer.stderr.contains(words), "{command:?}: {}", answer.stderr);
+            }
+        }
+    };
+    told(&["run: this run was broken off before its machine started", "from its beginning"]);
+    // Killed a moment later there is a journal, and nothing in it.
+    std::fs::write(place.at("run/journal.bin"), []).expect("room");
+    let known = place.ask(&["journal", "run"]);
+    assert!(known.status == Some(2) && known.stderr.contains("run run --resume`"), "{}", known.stderr);
+    let on = place.ask(&["run", "run", "--resume", "--out", "on"]);
+    assert_eq!(on.status, Some(0), "{}", on.stderr);
+    std::fs::remove_file(place.at("run/journal.bin")).expect("it is there");
+
+    let folder = std::fs::File::open(place.at("run")).expect("a folder");
+    folder.try_lock().expect("nobody holds it");
+    // --resume says that it goes on.
+    let goes_on = place.ask(&["journal", "run"]);
+    assert!(goes_on.stderr.contains("about to begin"), "{}", goes_on.stderr);
+}

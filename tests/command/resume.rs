@@ -22,6 +22,9 @@ const CUTS: u64 = 40;
 /// A thread that was broken off is finished in its groove, µm.
 const SAME_GROOVE_UM: f64 = 1.5;
 
+/// What is said of a run whose launcher did not see its end.
+const NO_END: &str = "not known whether its machine lost its power";
+
 fn cuts() -> u64 {
     std::env::var("PITCHLOCK_CUTS").ok().and_then(|cuts| cuts.parse().ok()).unwrap_or(CUTS)
 }
@@ -176,6 +179,7 @@ fn a_run_that_goes_on_is_gone_on_with_and_made_again() {
     fs::rename(place.at("kept.toml"), place.at("first/scenario.toml")).expect("it is there");
     let told = place.ask(&["run", "first", "--resume", "--dry-run"]);
     assert_eq!(told.status, Some(0), "{}", told.stderr);
+    assert!(!told.stdout.contains(NO_END), "{}", told.stdout);
     for words in ["the operator ended the program", "not known", "begins    at line 12, pass 2, whole"] {
         assert!(told.stdout.contains(words), "{}", told.stdout);
     }
@@ -283,6 +287,17 @@ fn of_other_version(place: &Place, journal: &[u8]) -> Vec<u8> {
     other
 }
 
+/// Who takes a run for one that came to its end is told what it is.
+fn is_told_to_be_broken_off(place: &Place) {
+    for command in [&["run", "run"][..], &["replay", "run"], &["report", "run"], &["diff", "run", "run"]] {
+        let answer = place.ask(command);
+        assert_eq!(answer.status, Some(2), "{command:?}: {}", answer.stderr);
+        for words in ["was broken off", "run --resume` goes on"] {
+            assert!(answer.stderr.contains(words), "{command:?}: {}", answer.stderr);
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
     let place = Place::new();
@@ -323,6 +338,7 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
         let told = place.ask(&["run", "run", "--resume", "--dry-run"]);
         assert_eq!(told.status, Some(0), "{left} bytes: {}", told.stderr);
         assert_eq!(told.stdout.contains("arrivals.live is damaged"), is_told, "{left}: {}", told.stdout);
+        assert!(told.stdout.contains(NO_END), "{left}: {}", told.stdout);
     }
     fs::write(place.at("run/arrivals.live"), &live).expect("room");
     for (name, words) in [("nowhere", "journal.bin"), (program.as_str(), "journal.bin")] {
@@ -333,14 +349,7 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_as_it_is() {
         assert_eq!(place.ask(alone).status, Some(2), "{alone:?}");
     }
 
-    // Who takes it for a run that came to its end is told what it is.
-    for command in [&["run", "run"][..], &["replay", "run"], &["report", "run"], &["diff", "run", "run"]] {
-        let answer = place.ask(command);
-        assert_eq!(answer.status, Some(2), "{command:?}: {}", answer.stderr);
-        for words in ["was broken off", "run --resume` goes on"] {
-            assert!(answer.stderr.contains(words), "{command:?}: {}", answer.stderr);
-        }
-    }
+    is_told_to_be_broken_off(&place);
     // Nothing is written by a dry run.
     let before = held(&place.at("run"));
     let told = place.ask(&["run", "run", "--resume", "--dry-run"]);

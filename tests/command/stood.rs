@@ -2,15 +2,17 @@
 //! the same, and in real time what is not recorded is counted cycle by cycle.
 
 use std::{
-    io::Write as _,
-    process::Command,
+    fs::File,
+    io::{Read as _, Write as _},
+    os::unix::process::ExitStatusExt as _,
+    process::{Child, Command},
     sync::{Mutex, PoisonError},
 };
 
 use rig::observe::{Outcome, Summary};
 
 use crate::endings::{ATTEMPTS, PIPE, command, ends, runs, slow_machine, summary, was_busy};
-use crate::shop::{Place, signal, wait_s};
+use crate::shop::{Place, children, signal, until, wait_s};
 
 /// How long somebody stands, s, unless `PITCHLOCK_STOPPED_S` says otherwise.
 pub(crate) fn stopped_s(unless_said: f64) -> f64 {
@@ -123,4 +125,40 @@ fn a_trip_while_the_launcher_stands_is_told() {
 fn a_stop_while_the_launcher_stands_is_told() {
     let event = "[[event]]\nat = { time_s = 5.5 }\nstop = true\n";
     in_the_gap(60.0, event, |summary| summary.outcome == Outcome::Stopped && summary.faults.is_empty());
+}
+
+/// A run whose standard output is not read, once nothing is left to do for it but to print.
+fn unprinted(place: &Place) -> (Child, std::io::PipeReader) {
+    let (unread, mut full) = std::io::pipe().expect("a pipe");
+    full.write_all(&[b'x'; PIPE]).expect("it holds that much");
+    let text = "G18 G21 G90 G94\nG0 X50 Z90\nG1 X49 F600\nM2\n";
+    let mut command = command(place, text, machine::SMALL_LATHE);
+    let launcher = command.stdout(full).spawn().expect("it starts");
+    let is_free = || File::open(place.at("run")).is_ok_and(|folder| folder.try_lock().is_ok());
+    until("the folder is whole and free", || place.at("run/report.html").exists() && is_free());
+    assert_eq!(summary(&place.at("run")).outcome, Outcome::Completed);
+    assert!(place.at("run/arrivals.txt").exists() && !place.at("run/summary.json.new").exists());
+    assert!(children(&launcher).is_empty(), "no machine is left");
+    (launcher, unread)
+}
+
+/// Whoever prints waits for a reader; nothing else does, the folder least of all, and Ctrl-C ends it.
+#[test]
+fn a_summary_that_nobody_reads_holds_up_neither_folder_nor_ctrl_c() {
+    let place = Place::new();
+    let (mut launcher, unread) = unprinted(&place);
+    assert!(launcher.try_wait().expect("a child").is_none(), "it waits for a reader");
+    let replayed = place.ask(&["replay", "run"]);
+    assert_eq!(replayed.status, Some(0), "{}", replayed.stderr);
+    signal(launcher.id(), "INT");
+    assert!(ends(&mut launcher, 30.0), "Ctrl-C does nothing");
+    assert_eq!(launcher.wait().expect("a child").signal(), Some(2), "what was not printed is no success");
+    drop(unread);
+
+    let (mut launcher, mut late) = unprinted(&place);
+    let mut read = String::new();
+    late.read_to_string(&mut read).expect("text");
+    assert_eq!(launcher.wait().expect("a child").code(), Some(0));
+    let printed: Summary = serde_json::from_str(read.trim_start_matches('x')).expect("all of it");
+    assert_eq!(printed.trace_hash, summary(&place.at("run")).trace_hash);
 }
