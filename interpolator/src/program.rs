@@ -21,6 +21,8 @@ pub(crate) struct Program {
     pub(crate) line: u32,
     /// Number of the tool that was selected last; 0 for none.
     pub(crate) tool: u32,
+    /// Somebody puts it in.
+    tool_by_hand: bool,
     /// Bits of [`MachineStatus::coolant`].
     pub(crate) coolant: u16,
     /// How the speed of the spindle is varied in the passes that follow.
@@ -54,11 +56,13 @@ pub(crate) enum Next {
     Await { input: u8, until: Until, within_s: f64 },
     /// Cycle start is wanted.
     Pause,
+    /// Somebody is to put the tool in.
+    ToolChange,
     /// A block by hand is wanted, or begins.
     ByHand(ByHand),
-    /// An output waits for axes and spindle to stand.
+    /// An output, or a change of the tool, waits for axes and spindle to stand.
     Standstill,
-    /// An output that needs standstill is to change while something moves.
+    /// An output that needs standstill, or the tool, is to change while something turns.
     Impossible,
     /// The program is over.
     End,
@@ -68,7 +72,8 @@ impl Program {
     /// A program that has not begun.
     pub(crate) fn new(machine: &Machine) -> Program {
         let settles_s = SETPOINT_LEAD as f64 * machine.general.interpolator_cycle_s;
-        Program { outputs: Outputs::new(machine), settles_s, ..Program::default() }
+        let tool_by_hand = !machine.general.tool_change.is_automatic();
+        Program { outputs: Outputs::new(machine), tool_by_hand, settles_s, ..Program::default() }
     }
 
     /// Executes what needs no time, as far as one tick goes, and says what is next. So many blocks of motion
@@ -110,14 +115,12 @@ impl Program {
                 Code::PathMode(mode) => route.set_mode(mode),
                 Code::Spindle { mode, speed } => spindle.program(mode, speed),
                 Code::Variation(variation) => self.variation = variation,
+                Code::Tool { number } if self.tool_by_hand => return self.asks_for(number, spindle, stands),
                 Code::Tool { number } => self.tool = number,
                 Code::Coolant { mist, flood } => self.coolant = MachineStatus::coolant(mist, flood),
                 Code::Output { number, set, in_step } if self.outputs.needs_standstill(number, set) => {
-                    if in_step || spindle.programmed() != 0.0 {
-                        return Next::Impossible;
-                    }
-                    if !stands {
-                        return Next::Standstill;
+                    if let Some(next) = at_rest(in_step || spindle.programmed() != 0.0, stands) {
+                        return next;
                     }
                     self.outputs.set(number, set);
                 }
@@ -141,6 +144,15 @@ impl Program {
             self.queue.done();
         }
         Next::Nothing
+    }
+
+    /// A tool that somebody puts in, once axes and spindle stand.
+    fn asks_for(&mut self, number: u32, spindle: &Spindle, stands: bool) -> Next {
+        at_rest(spindle.programmed() != 0.0, stands).unwrap_or_else(|| {
+            self.tool = number;
+            self.queue.done();
+            Next::ToolChange
+        })
     }
 
     /// Spindle and coolant off, whatever the program said.
@@ -170,5 +182,14 @@ impl Program {
             Code::Pass(pass) => Some(pass),
             _ => None,
         }
+    }
+}
+
+/// What is next before something that needs standstill: nothing if all stands.
+fn at_rest(moves: bool, stands: bool) -> Option<Next> {
+    match (moves, stands) {
+        (true, _) => Some(Next::Impossible),
+        (false, false) => Some(Next::Standstill),
+        (false, true) => None,
     }
 }

@@ -54,6 +54,17 @@ pub(crate) fn find_tool(number: u32, machine: &Machine) -> Done {
     Err(Problem::error("unknown-tool", Blame::Word('T'), message, help))
 }
 
+/// Refuses a tool that somebody puts in while the spindle turns.
+pub(crate) fn may_change(machine: &Machine, spindle_turns: bool) -> Done {
+    if machine.general.tool_change.is_automatic() || !spindle_turns {
+        return Ok(());
+    }
+    let message = "tools are put in by hand, and the spindle turns";
+    let help =
+        "stop it with M5 in a block before; tool_change = \"by-hand\" in the machine file asks for that";
+    Err(Problem::error("needs-standstill", Blame::Word('T'), message, help))
+}
+
 /// What M66 waits for by its L.
 const UNTIL: [(u8, Until); 4] = [(1, Until::Rise), (2, Until::Fall), (3, Until::High), (4, Until::Low)];
 

@@ -124,7 +124,7 @@ impl<'m> Clock<'m> {
         }
         match code {
             Code::Dwell { seconds } => self.pass_time(*seconds),
-            Code::Output { number, set: Set::Digital(_), .. } if self.waits_for_rest(*number) => {
+            code if self.waits_for_rest(code) => {
                 let turned = self.rpm != 0.0;
                 self.run_down();
                 self.pass_time(if turned { REST_S } else { STOOD_S });
@@ -186,9 +186,16 @@ impl<'m> Clock<'m> {
         }
     }
 
-    /// Whether an output changes at standstill only.
-    fn waits_for_rest(&self, number: u8) -> bool {
-        self.machine.output(number.into()).is_some_and(|output| output.standstill)
+    /// Whether axes and spindle have to stand: of an output that asks for it, and of a tool that is put in by
+    /// hand.
+    fn waits_for_rest(&self, code: &Code) -> bool {
+        match code {
+            Code::Output { number, set: Set::Digital(_), .. } => {
+                self.machine.output((*number).into()).is_some_and(|output| output.standstill)
+            }
+            Code::Tool { .. } => !self.machine.general.tool_change.is_automatic(),
+            _ => false,
+        }
     }
 
     /// The spindle, told to stop, comes to a stand.

@@ -33,7 +33,7 @@ pub use path::PathConfig;
 pub use positioner::{POSITIONER_AXES, PositionerConfig};
 use protocol::{Axis, Cycle, PerAxis, Position, code_file::Identity, units::AXES};
 pub use spindle::{Reaction, RunOut, SpindleConfig, Threading};
-pub use tool::Tool;
+pub use tool::{Tool, ToolChange};
 pub use variation::{NotVaried, SpeedLaw, VariationConfig, Varied};
 
 /// What a machine file that cannot be used has wrong.
@@ -135,6 +135,9 @@ pub struct General {
     /// Kinematics.
     #[serde(default)]
     pub kinematics: Kinematics,
+    /// Who puts the next tool in.
+    #[serde(default, skip_serializing_if = "ToolChange::is_automatic")]
+    pub tool_change: ToolChange,
 }
 
 /// Dialect of part programs, as the machine file names it. What it means is the business of whoever reads

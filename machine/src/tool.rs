@@ -4,6 +4,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::{MachineError, range};
 
+/// Who puts the next tool in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToolChange {
+    /// A turret or a changer: the program does not wait for it.
+    #[default]
+    Automatic,
+    /// Somebody at the machine: the program waits, at rest, until a cycle start says that it is in.
+    ByHand,
+}
+
+impl ToolChange {
+    /// Whether nobody is asked.
+    pub fn is_automatic(&self) -> bool {
+        *self == ToolChange::Automatic
+    }
+}
+
 /// A tool.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -79,7 +79,7 @@ function show(news) {
   if (news.playback || "time_s" in news && state.playback) player();
   if ("seat" in news) keys();
   $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}; ${state.words}` : state.words || "–";
-  const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused" }[state.state];
+  const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused", "tool-change": "paused" }[state.state];
   document.querySelector(".state").className = "state " + (kind || (["ready", "ended"].includes(state.state) ? "" : "run"));
   const parts = [];
   if (typeof state.time_s === "number") parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
@@ -92,6 +92,8 @@ function show(news) {
   $("where").textContent = parts.join(" · ");
   $("prompt").hidden = !state.prompt;
   if ($("prompt").textContent !== (state.prompt || "")) $("prompt").textContent = state.prompt || "";
+  $("tool-in").hidden = state.mode !== "tool-change";
+  $("tool-in").textContent = state.tool ? `T${state.tool} is in` : "It is out";
   if (state.done) $("done").style.width = (100 * state.done[0] / Math.max(1, state.done[1])) + "%";
   if (news.axes) axes();
   if (news.spindle) {
@@ -114,7 +116,7 @@ function keys() {
   $("seat").textContent = mine ? "You hold the keys" : state.seat ? `${state.seat} holds the keys: you watch` : "Nobody holds the keys";
   $("take").textContent = mine ? "Give them back" : state.seat ? "Take over" : "Take the keys";
   $("take").disabled = !live;
-  for (const key of document.querySelectorAll(".keys button,.keys input,.knobs input")) key.disabled = !mine || !live || !!state.playback;
+  for (const key of document.querySelectorAll("#tool-in,.keys button,.keys input,.knobs input")) key.disabled = !mine || !live || !!state.playback;
   for (const key of document.querySelectorAll(".player button,.player input")) key.disabled = !mine || !live;
   hands();
 }
@@ -423,6 +425,7 @@ $("offset").onsubmit = (event) => { event.preventDefault(); setOffset("set"); };
 $("offset-add").onclick = () => setOffset("add");
 $("offset-of").onchange = chosen;
 $("turn").onsubmit = (event) => { event.preventDefault(); press("spindle", Number($("turn-rpm").value)); };
+$("tool-in").onclick = () => press("tool-change", state.tool);
 $("turn-stop").onclick = () => press("spindle", 0);
 window.onblur = letGo;
 $("single").onchange = (event) => press("single-block", event.target.checked);

@@ -97,6 +97,14 @@ pub(crate) fn offset(value: &Value) -> Read {
     }
 }
 
+/// A tool is in.
+pub(crate) fn tool_in(value: &Value) -> Read {
+    match value.as_u64().and_then(|number| u32::try_from(number).ok()) {
+        Some(number) => Ok(HandAsked::ToolIn(number)),
+        None => Err("value is the number of the tool that is in, 0 for none"),
+    }
+}
+
 /// A recording is played at a speed.
 pub(crate) fn play(value: &Value) -> Read {
     match value.as_f64() {

@@ -58,7 +58,7 @@ pub const DOES: [(&str, Does); 25] = [
     ("step", Does::Hand(by_hand::step)),
     ("seek", Does::Hand(by_hand::seek)),
     ("home", Does::NotYet),
-    ("tool-change", Does::NotYet),
+    ("tool-change", Does::Hand(by_hand::tool_in)),
 ];
 
 /// Why something is not done.
@@ -194,6 +194,7 @@ mod tests {
                     "touch-off" => ",\"value\":{\"axis\":\"Z\",\"value\":-2.5,\"tool\":3}",
                     "offset" => ",\"value\":{\"of\":\"T3\",\"add\":{\"X\":-0.025}}",
                     "spindle" => ",\"value\":-300",
+                    "tool-change" => ",\"value\":3",
                     "play" => ",\"value\":0.5",
                     "step" => ",\"value\":100",
                     "seek" => ",\"value\":2.5",
@@ -213,6 +214,7 @@ mod tests {
                         "mdi" => HandAsked::Block("G0 X1".into()),
                         "jog" => HandAsked::Jog { axis: "Z".into(), positive: false, mm_min: 5.0 },
                         "jog-on" => HandAsked::JogOn,
+                        "tool-change" => HandAsked::ToolIn(3),
                         "play" => HandAsked::Play(Play::Speed(0.5)),
                         "step" => HandAsked::Play(Play::Step(100)),
                         "seek" => HandAsked::Play(Play::Seek(2.5)),
@@ -270,6 +272,8 @@ mod tests {
                 "{\"id\":1,\"do\":\"offset\",\"as\":\"me\",\"value\":{\"of\":\"T3\",\"set\":{\"X\":1},\"add\":{\"X\":1}}}",
                 "bad-value",
             ),
+            ("{\"id\":1,\"do\":\"tool-change\",\"as\":\"me\"}", "bad-value"),
+            ("{\"id\":1,\"do\":\"tool-change\",\"as\":\"me\",\"value\":-3}", "bad-value"),
             ("{\"id\":1,\"do\":\"play\",\"as\":\"me\",\"value\":-1}", "bad-value"),
             ("{\"id\":1,\"do\":\"step\",\"as\":\"me\",\"value\":0.5}", "bad-value"),
             ("{\"id\":1,\"do\":\"seek\",\"as\":\"me\"}", "bad-value"),

@@ -97,6 +97,8 @@ pub enum HandAsked {
         /// They are added to what is there.
         add: bool,
     },
+    /// The tool of this number is in; 0: none is.
+    ToolIn(u32),
     /// A recording is played.
     Play(Play),
     /// The spindle turns at this speed, 1/min; negative counterclockwise, 0 not at all.

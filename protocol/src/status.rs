@@ -164,6 +164,8 @@ pub enum MachineState {
     Paused = 7,
     /// At rest, for whoever works by hand: waits for the next block.
     ByHand = 8,
+    /// At rest, waits for cycle start: [`MachineStatus::tool`] is to be put in by hand.
+    ToolChange = 9,
 }
 
 impl MachineState {
@@ -182,8 +184,14 @@ impl MachineState {
             6 => MachineState::Fault,
             7 => MachineState::Paused,
             8 => MachineState::ByHand,
+            9 => MachineState::ToolChange,
             other => return Err(Refused::UnknownCode { field: "machine state", code: other }),
         })
+    }
+
+    /// Whether nothing goes on until somebody presses cycle start.
+    pub fn waits_for_start(self) -> bool {
+        matches!(self, MachineState::Paused | MachineState::ToolChange)
     }
 }
 
@@ -259,7 +267,8 @@ pub struct MachineStatus {
     /// Which work of the program, from 1, the setpoint of this tick cuts; 0 if none, as on approaches and
     /// retracts. A feed hold on the way changes nothing.
     pub work: u32,
-    /// Number of the tool that is in the spindle or the holder; 0 if none was selected.
+    /// Number of the tool that is in the spindle or the holder, or in [`MachineState::ToolChange`] of the one
+    /// that is to be put in; 0 if none was selected, or none is to be in it.
     pub tool: u32,
     /// Code of the [`Motion`] of the setpoint of this tick. A feed hold on the way changes nothing.
     pub motion: u32,

@@ -69,7 +69,7 @@ fn waits_for(record: &Record) -> Option<&'static str> {
     let panel = &record.truth.measurement.panel;
     let stands = record.truth.spindle_rpm.abs() < SpindleConfig::STANDSTILL_RPM;
     match record.machine.state() {
-        MachineState::Ready | MachineState::Moving | MachineState::Paused => {}
+        MachineState::Ready | MachineState::Moving | MachineState::Paused | MachineState::ToolChange => {}
         // A pass goes on as long as the spindle turns.
         MachineState::Threading if stands => {}
         _ => return None,

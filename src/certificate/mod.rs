@@ -12,7 +12,7 @@ use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 
 use interpreter::{Language, PassNote};
 use machine::Machine;
-use protocol::{MachineState, operator::Request};
+use protocol::operator::Request;
 use report::table::{Column, Table};
 use rig::{
     Rig,
@@ -154,7 +154,7 @@ fn cut(
         goes_on = rig.cycle(asked.take(), |record| {
             observer.cycle(record);
             Phase::at(record.machine.line);
-            let pauses = cycle % LOOK_EVERY == 0 && record.machine.state() == MachineState::Paused;
+            let pauses = cycle % LOOK_EVERY == 0 && record.machine.state().waits_for_start();
             asked = pauses.then_some(Request::CycleStart);
         });
         if !goes_on {

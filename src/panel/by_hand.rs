@@ -35,6 +35,7 @@ impl Live {
             HandAsked::JogOn => Press::JogOn,
             HandAsked::Offset { .. } => Press::Table,
             HandAsked::Play(_) => Press::Play,
+            HandAsked::ToolIn(number) => return self.takes_tool(ticket, *number, requests),
             _ => Press::Block,
         };
         let Some(hand) = self.hand.as_mut().filter(|_| self.mode.refuses(press).is_none()) else {
@@ -64,6 +65,20 @@ impl Live {
                 let table = hand.table(self.tables.files());
                 self.shows_tables(tables::shown(Ok(table)));
                 self.mode = if jogs { Mode::Jog } else { Mode::Mdi };
+            }
+        }
+    }
+
+    /// Somebody says that a tool is in.
+    pub(super) fn takes_tool(&mut self, ticket: u64, number: u32, requests: &mut Vec<Request>) {
+        let refused = self.mode.refuses(Press::Tool).map(str::to_owned);
+        match refused.map_or_else(|| self.change.says(number), Err) {
+            Ok(()) => {
+                self.session.sent(Request::CycleStart, Who::Panel(ticket));
+                requests.push(Request::CycleStart);
+            }
+            Err(why) => {
+                self.refuse(ticket, "not-now", &why);
             }
         }
     }

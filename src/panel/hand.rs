@@ -146,7 +146,9 @@ impl Hand {
                 }
                 self.jog(&at, (axis, target), feed(*mm_min, fastest_jog(config))?, true)
             }
-            HandAsked::On | HandAsked::JogOn | HandAsked::Play(_) => return Err("this is no block".into()),
+            HandAsked::On | HandAsked::JogOn | HandAsked::Play(_) | HandAsked::ToolIn(_) => {
+                return Err("this is no block".into());
+            }
         };
         self.steps += given.items.iter().map(Item::steps).sum::<u64>();
         self.items.extend(&given.items);

@@ -17,6 +17,7 @@ use super::{
     scope::Rows,
     session::{Session, Who, request},
     tables::Tables,
+    tool::Change,
     view::{self, Counts},
     web::Web,
 };
@@ -62,6 +63,7 @@ pub(crate) struct Live {
     /// Work by hand, if the run is that.
     pub(super) hand: Option<Hand>,
     pub(super) mode: Mode,
+    pub(super) change: Change,
     /// Offsets and tools.
     pub(super) tables: Tables,
     /// What goes to the scope, and whether the panel was told of it anew.
@@ -99,6 +101,7 @@ impl Live {
             last: Map::new(),
             hand: None,
             mode: Mode::Off,
+            change: Change::default(),
             tables,
             rows,
             anew: false,
@@ -167,6 +170,7 @@ impl Live {
         if self.mode != Mode::Playback {
             self.mode = Mode::of(record, self.hand.as_ref().map(Hand::doing));
         }
+        self.change.cycle(record.machine);
         self.takes_a_turn(record);
         if self.rows.cycle(record, observer) {
             self.sends_rows();
@@ -289,6 +293,7 @@ impl Live {
                 Some(HandAsked::JogOn) => Press::JogOn,
                 Some(HandAsked::Offset { .. }) => Press::Table,
                 Some(HandAsked::Play(_)) => Press::Play,
+                Some(HandAsked::ToolIn(_)) => Press::Tool,
                 Some(_) => Press::Block,
                 None if start => Press::Start,
                 None => Press::Always,

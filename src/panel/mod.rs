@@ -13,6 +13,7 @@ mod playback;
 mod scope;
 mod session;
 mod tables;
+mod tool;
 mod view;
 mod web;
 

@@ -7,6 +7,7 @@
 //! | off | no run goes on |
 //! | faulted | a fault is latched, or the emergency stop is pressed |
 //! | stopping | stop or abort is pressed, or the program is over |
+//! | tool-change | a tool is to be put in by hand |
 //! | held | feed hold is pressed |
 //! | auto | none of these, and a program runs |
 //! | ready | none of these: work by hand, and the machine waits for a block |
@@ -24,6 +25,7 @@ pub(crate) enum Mode {
     Auto,
     Mdi,
     Jog,
+    ToolChange,
     Held,
     Stopping,
     Faulted,
@@ -57,17 +59,20 @@ pub(crate) enum Press {
     Table,
     /// A recording is played.
     Play,
+    /// A tool is said to be in.
+    Tool,
 }
 
 impl Mode {
     /// Every mode, in the order of the documentation.
     #[cfg(test)]
-    pub(crate) const ALL: [Mode; 9] = [
+    pub(crate) const ALL: [Mode; 10] = [
         Mode::Off,
         Mode::Ready,
         Mode::Auto,
         Mode::Mdi,
         Mode::Jog,
+        Mode::ToolChange,
         Mode::Held,
         Mode::Stopping,
         Mode::Faulted,
@@ -82,6 +87,7 @@ impl Mode {
             Mode::Auto => "auto",
             Mode::Mdi => "mdi",
             Mode::Jog => "jog",
+            Mode::ToolChange => "tool-change",
             Mode::Held => "held",
             Mode::Stopping => "stopping",
             Mode::Faulted => "faulted",
@@ -97,6 +103,8 @@ impl Mode {
             _ if panel.pressed(Panel::EMERGENCY_STOP) || state == MachineState::Fault => Mode::Faulted,
             _ if panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT) => Mode::Stopping,
             _ if state == MachineState::Ended => Mode::Stopping,
+            // Start releases a hold, and would say that the tool is in.
+            _ if state == MachineState::ToolChange => Mode::ToolChange,
             _ if panel.pressed(Panel::FEED_HOLD) => Mode::Held,
             None => Mode::Auto,
             Some(Doing::Nothing) => Mode::Ready,
@@ -107,13 +115,13 @@ impl Mode {
 
     /// Why something is not done in this mode; nothing if it is.
     pub(crate) fn refuses(self, press: Press) -> Option<&'static str> {
-        use Mode::{Auto, Faulted, Held, Jog, Mdi, Off, Playback, Ready, Stopping};
+        use Mode::{Auto, Faulted, Held, Jog, Mdi, Off, Playback, Ready, Stopping, ToolChange};
         match (self, press) {
             (Playback, Press::Play) => None,
             (Playback, _) => Some("this is a recording: no key does anything but play, step and seek"),
             (_, Press::Play) => Some("this is no recording: pitchlock panel RUN_DIR plays one"),
             (Off, Press::Start | Press::Hand | Press::Table) => None,
-            (Ready, Press::Block | Press::Table) | (Jog, Press::JogOn) => None,
+            (Ready, Press::Block | Press::Table) | (Jog, Press::JogOn) | (ToolChange, Press::Tool) => None,
             (Off, Press::Block) => Some("the machine is off: by-hand switches it on for work by hand"),
             (Off, _) => Some("no program runs; start starts it"),
             (Faulted, Press::Start | Press::Block | Press::Table) => {
@@ -122,6 +130,9 @@ impl Mode {
             (Stopping, Press::Start | Press::Block | Press::Table) => {
                 Some("the machine comes to rest, and goes off")
             }
+            (_, Press::Tool) => Some("no tool is waited for"),
+            (ToolChange, Press::Start) => Some("a tool is waited for: tool-change says that it is in"),
+            (ToolChange, Press::Block | Press::Table) => Some("a tool is waited for: wait for its end"),
             (Ready, Press::Start) => Some("nothing is held: give a block, or jog"),
             (Jog, Press::Start) => Some("a jog goes on while its key is pressed"),
             (_, Press::Hand) => Some("the machine is on"),
@@ -155,6 +166,7 @@ mod tests {
             ("jog-on", Press::JogOn),
             ("offset", Press::Table),
             ("play, step, seek", Press::Play),
+            ("tool-change", Press::Tool),
             ("all others", Press::Always),
         ];
         for (name, press) in presses {
@@ -174,8 +186,10 @@ mod tests {
     /// Every state of the machine with every button: the most urgent of them says the mode.
     #[test]
     fn the_mode_follows_from_what_a_cycle_shows() {
-        use MachineState::{ByHand, Ended, Fault, Moving, Paused, Ready, Starting, Threading, Waiting};
-        let states = [Starting, Ready, Moving, Waiting, Threading, Ended, Fault, Paused, ByHand];
+        use MachineState::{
+            ByHand, Ended, Fault, Moving, Paused, Ready, Starting, Threading, ToolChange, Waiting,
+        };
+        let states = [Starting, Ready, Moving, Waiting, Threading, Ended, Fault, Paused, ByHand, ToolChange];
         let doings = [None, Some(Doing::Nothing), Some(Doing::Block), Some(Doing::Jog)];
         for state in states {
             for buttons in 0..256 {
@@ -189,6 +203,7 @@ mod tests {
                     let urgent = [
                         (pressed(Panel::EMERGENCY_STOP) || state == Fault, Mode::Faulted),
                         (pressed(Panel::STOP | Panel::ABORT) || state == Ended, Mode::Stopping),
+                        (state == ToolChange, Mode::ToolChange),
                         (pressed(Panel::FEED_HOLD), Mode::Held),
                         (doing.is_none(), Mode::Auto),
                     ];

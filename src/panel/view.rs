@@ -24,7 +24,8 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
     let (done, time_s) = (machine.taken.min(known.steps), truth.cycle.0 as f64 * known.cycle_s);
     let target = known.plan.target_mm(done, machine.line).filter(|_| goes(machine));
     let panel = &truth.measurement.panel;
-    let (state, words) = words(record);
+    let tool_name = known.tool_names.get(&machine.tool).cloned().unwrap_or_default();
+    let (state, words) = words(record, &tool_name);
     let counts = Counts::of(observer);
     let lists = shown != Some(counts);
     let axis = |(axis, status): &(protocol::Axis, protocol::AxisStatus)| AxisSeen {
@@ -70,7 +71,7 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
         single_block: panel.pressed(Panel::SINGLE_BLOCK),
         optional_stop: !panel.pressed(Panel::PASSES_M1),
         tool: machine.tool,
-        tool_name: known.tool_names.get(&machine.tool).cloned().unwrap_or_default(),
+        tool_name,
         origin_mm: known.origin_mm(machine),
         prompt: prompt(machine, observer),
         cutting: observer.pass_so_far().map(|pass| PassSeen { end: "now".into(), ..pass_seen(&pass) }),
@@ -93,7 +94,7 @@ fn goes(machine: &MachineStatus) -> bool {
 
 /// What the program said right before the pause that it waits at.
 fn prompt(machine: &MachineStatus, observer: &Observer) -> Option<String> {
-    let told = observer.told().last().filter(|_| machine.state() == MachineState::Paused)?;
+    let told = observer.told().last().filter(|_| machine.state().waits_for_start())?;
     (told.line..=told.line.saturating_add(PROMPT_LINES)).contains(&machine.line).then(|| told.text.clone())
 }
 
@@ -165,7 +166,7 @@ fn faults(observer: &Observer) -> Vec<Fault> {
 }
 
 /// The state by its name and in words.
-fn words(record: &Record) -> (&'static str, String) {
+fn words(record: &Record, tool_name: &str) -> (&'static str, String) {
     let Record { truth, axes, machine } = record;
     let panel = &truth.measurement.panel;
     let moves = axes.iter().any(|(_, status)| status.velocity_mm_s.abs() > AXIS_STANDS);
@@ -181,6 +182,9 @@ fn words(record: &Record) -> (&'static str, String) {
     }
     if panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT) {
         return said("stopping", "comes to rest; the program ends".into());
+    }
+    if machine.state() == MachineState::ToolChange {
+        return said("tool-change", tool_in_words(machine.tool, tool_name));
     }
     if panel.pressed(Panel::FEED_HOLD) {
         return match (in_pass, moves) {
@@ -201,9 +205,19 @@ fn words(record: &Record) -> (&'static str, String) {
         MachineState::Waiting => said("waiting", format!("waits for the spindle, or dwells, line {line}")),
         MachineState::Threading => said("threading", format!("{}, line {line}", in_words(axes, pass))),
         MachineState::Paused => said("paused", format!("line {line} is a pause: start goes on")),
+        MachineState::ToolChange => said("tool-change", tool_in_words(machine.tool, tool_name)),
         MachineState::ByHand => said("by-hand", "ready: jog, or give a block".into()),
         MachineState::Ended => said("ended", "the program is over".into()),
         MachineState::Fault => said("fault", "fault".into()),
+    }
+}
+
+/// The tool that is waited for, in words.
+fn tool_in_words(number: u32, name: &str) -> String {
+    match (number, name) {
+        (0, _) => "take the tool out, and say so".into(),
+        (number, "") => format!("put in T{number}, and say that it is in"),
+        (number, name) => format!("put in T{number}, {name}, and say that it is in"),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use process::ipc::time::Moment;
-use protocol::{Axis, AxisStatus, MachineState};
+use protocol::{Axis, AxisStatus};
 use rig::observe::Record;
 
 use super::Setup;
@@ -40,7 +40,7 @@ impl Progress {
         }
         self.shown = Moment::now();
         let machine = record.machine;
-        let paused = machine.state() == MachineState::Paused;
+        let paused = machine.state().waits_for_start();
         let text = format!(
             "line {}  pass {}/{}  {}  {:.0} 1/min ({:.0} %)  {:.1} s{}",
             machine.line,

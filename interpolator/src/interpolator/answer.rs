@@ -2,8 +2,7 @@
 //! of the tick.
 
 use protocol::{
-    AxisFrame, Cycle, Groove, MachineState, MachineStatus, Measurement, PerAxis, Setpoint, SpindleCommand,
-    units::AXES,
+    AxisFrame, Cycle, Groove, MachineStatus, Measurement, PerAxis, Setpoint, SpindleCommand, units::AXES,
 };
 
 use crate::{
@@ -44,7 +43,7 @@ impl Interpolator {
             finished: self.ends(),
             line,
             pass: pass.map_or(0, |pass| pass.pass),
-            paused: u32::from(state == MachineState::Paused),
+            paused: u32::from(state.waits_for_start()),
             index_not_before: arm.map_or(Cycle(0), |arm| arm.not_before),
             direction: pass.map_or(0.0, |pass| pass.direction),
             groove: pass.map(Groove::of).unwrap_or_default(),

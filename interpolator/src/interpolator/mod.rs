@@ -263,7 +263,7 @@ impl Interpolator {
             Task::Dwelling { left } if *left <= 1 => Event::Over(Wait::behind_block(panel)),
             Task::Dwelling { .. } if ends(panel) => Event::Over(Wait::No),
             Task::Awaiting(wait) => self.await_input(*wait, cycle),
-            Task::Paused { cycle_starts } if panel.cycle_starts != *cycle_starts || ends(panel) => {
+            task if task.waits_since().is_some_and(|before| panel.cycle_starts != before || ends(panel)) => {
                 Event::Over(Wait::No)
             }
             Task::ByHand if self.hand.is_given(panel) || ends(panel) => Event::Over(Wait::No),
@@ -357,6 +357,7 @@ impl Interpolator {
                     Event::Awaits(Await { input, until, before, left })
                 }
                 Next::Pause => Event::Pauses(panel.cycle_starts),
+                Next::ToolChange => Event::ChangesTool(panel.cycle_starts),
                 Next::ByHand(by_hand) => self.by_hand(by_hand, cycle),
                 Next::End => Event::Ends(false),
             }

@@ -131,9 +131,11 @@ pub(crate) enum Event {
     Awaits(Await),
     /// The program pauses; cycle start had been pressed so often.
     Pauses(u32),
+    /// A tool is to be put in by hand; cycle start had been pressed so often.
+    ChangesTool(u32),
     /// The next block by hand is wanted.
     ByHand,
-    /// A dwell, a wait for an input or a pause is over.
+    /// A dwell, a wait for an input, a pause or a change of the tool is over.
     Over(Wait),
     /// One tick of timed motion.
     Moved(Moved),

@@ -13,9 +13,10 @@
 //! | Moving | the axes stand, and the operator ends the program | Ending | stream |
 //! | Moving | the axes stand at the end of the chain | Ready, or Returning to a pass | stream |
 //! | Awaiting | the input is not what is waited for | Awaiting | stream |
+//! | Ready | a tool is to be put in by hand, axes and spindle stand | ChangingTool | stream |
 //! | Ready | the next block by hand is wanted | ByHand | stream |
 //! | Moving | the jog key was let go, and the axes stand | Ready | stream |
-//! | Dwelling, Awaiting, Paused, ByHand | over, or the operator ends the program | Ready | stream |
+//! | Dwelling, Awaiting, Paused, ChangingTool, ByHand | over, or the operator ends the program | Ready | stream |
 //! | Arming | every axis is armed two ticks later | Armed | hold |
 //! | Arming | one is not: a fault | Leaving for it | **call off**; **leave** once an axis moves |
 //! | Armed | the operator holds or ends the program | CallingOff | **call off** |
@@ -84,6 +85,11 @@ pub(crate) enum Task {
     Awaiting(Await),
     /// Waits for cycle start because the program says so.
     Paused {
+        /// How often it had been pressed before.
+        cycle_starts: u32,
+    },
+    /// Waits for cycle start, which says that the tool is in.
+    ChangingTool {
         /// How often it had been pressed before.
         cycle_starts: u32,
     },
@@ -180,6 +186,9 @@ impl Task {
             (Task::Ready { .. }, Event::Awaits(input)) => Task::Awaiting(*input),
             (Task::Awaiting(before), Event::Awaits(input)) if before != input => Task::Awaiting(*input),
             (Task::Ready { .. }, Event::Pauses(cycle_starts)) => Task::Paused { cycle_starts: *cycle_starts },
+            (Task::Ready { .. }, Event::ChangesTool(cycle_starts)) => {
+                Task::ChangingTool { cycle_starts: *cycle_starts }
+            }
             (Task::Ready { .. }, Event::ByHand) => Task::ByHand,
             (Task::Ready { .. }, Event::Pass(pass, sent)) => Task::Arming { pass: *pass, sent: *sent },
             (Task::Ready { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
@@ -191,7 +200,11 @@ impl Task {
             }
             (Task::Dwelling { left }, Event::Nothing) => Task::Dwelling { left: left.saturating_sub(1) },
             (
-                Task::Dwelling { .. } | Task::Awaiting(_) | Task::Paused { .. } | Task::ByHand,
+                Task::Dwelling { .. }
+                | Task::Awaiting(_)
+                | Task::Paused { .. }
+                | Task::ChangingTool { .. }
+                | Task::ByHand,
                 Event::Over(wait),
             ) => Task::Ready { wait: *wait },
             (Task::Arming { pass, .. }, Event::Armed) => Task::Armed(*pass),
@@ -278,6 +291,7 @@ impl Task {
             Task::Ready { .. } | Task::Moving { .. } | Task::Paused { .. } | Task::Returning { .. } => {
                 MachineState::Paused
             }
+            Task::ChangingTool { .. } => MachineState::ToolChange,
             Task::ByHand => MachineState::ByHand,
             Task::Dwelling { .. } | Task::Awaiting(_) | Task::Ending { .. } => MachineState::Waiting,
             Task::Arming { .. }
@@ -287,6 +301,14 @@ impl Task {
             | Task::Leaving { .. } => MachineState::Threading,
             Task::Ended { .. } => MachineState::Ended,
             Task::Fault { .. } => MachineState::Fault,
+        }
+    }
+
+    /// How often cycle start had been pressed when a wait for it began.
+    pub(crate) fn waits_since(&self) -> Option<u32> {
+        match self {
+            Task::Paused { cycle_starts } | Task::ChangingTool { cycle_starts } => Some(*cycle_starts),
+            _ => None,
         }
     }
 

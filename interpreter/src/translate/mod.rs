@@ -22,7 +22,7 @@ use gcode::{Call, Job, Place, Pose, Problem, Sink};
 use machine::{Machine, Part};
 use protocol::{Code, Feed, Item};
 
-use crate::auxiliary::{self, Auxiliary, find_tool};
+use crate::auxiliary::{self, Auxiliary, find_tool, may_change};
 use crate::block::Block;
 use crate::job::{JobNote, Jobs};
 use crate::modal::Modal;
@@ -281,9 +281,12 @@ impl Translator {
             Call::SetSpindleSpeed(s) => self.spindle.set_speed(s, self.modal.frame.unit(), machine)?,
             Call::StartSpindle(turn) => self.spindle.start(turn, machine)?,
             Call::StopSpindle => self.spindle.stop(),
+            // Somebody who puts tools in is asked at the change, and not when the next one is named.
+            Call::SelectTool(_) if !machine.general.tool_change.is_automatic() => {}
             Call::SelectTool(number) | Call::ChangeTool(number) | Call::ChangeToolNumber(number) => {
                 let number = u32::try_from(number).unwrap_or(0);
                 find_tool(number, machine)?;
+                may_change(machine, self.spindle.turns())?;
                 let tool = self.auxiliary.select_tool(number);
                 self.push_some(line, tool);
             }

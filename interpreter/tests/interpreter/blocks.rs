@@ -194,6 +194,29 @@ fn outputs_are_set_as_the_program_says() {
     assert!(interpreter::check("test.ngc", "S100 M3\nM5\nM64 P4\nM2\n", &machine).is_good());
 }
 
+/// Tools that somebody puts in: M6 asks, T alone names the next one, and the spindle stands meanwhile.
+#[test]
+fn a_tool_by_hand_is_changed_at_m6_with_the_spindle_at_rest() {
+    let mut machine = machine::Machine::plain();
+    let text = "S100 M3\nT2\nG0 X10\nM6\nG0 X20\nT2 M6\nT3 M6\nM2\n";
+    let tools = |machine: &machine::Machine| {
+        let listed = listing(&good_on(machine, text).items);
+        listed.lines().filter(|line| line.contains("tool")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(tools(&machine), ["2 tool 2", "7 tool 3"], "a turret has it from T on");
+    let automatic_s = good_on(&machine, text).time_s;
+    machine.general.tool_change = machine::ToolChange::ByHand;
+    assert_eq!(tools(&machine), ["4 tool 2", "7 tool 3"]);
+    let by_hand_s = good_on(&machine, text).time_s;
+    // From 100 1/min the spindle has to come to a stand first; nobody foretells how long somebody takes.
+    assert!(by_hand_s > automatic_s + 0.1, "{by_hand_s} {automatic_s}");
+    machine.general.dialect = machine::ProgramDialect::Fanuc;
+    let found = interpreter::check("test.nc", "O1\nG97 S100 M3\nT0202\nM30\n", &machine).diagnostics;
+    let [one] = &found[..] else { panic!("{found:?}") };
+    assert!(one.code == "needs-standstill" && one.message.contains("the spindle turns"), "{one:?}");
+    assert!(interpreter::check("test.nc", "O1\nT0202\nG97 S100 M3\nM30\n", &machine).is_good());
+}
+
 /// M66 becomes a wait; what cannot be waited for is refused with the remedy.
 #[test]
 fn inputs_are_waited_for_as_the_program_says() {

@@ -1,7 +1,7 @@
 //! Pauses of the program, and what ended each of them. In: the record of every control cycle. Out: a
 //! [`PauseReport`] of each, s.
 
-use protocol::{MachineState, Panel};
+use protocol::Panel;
 use serde::{Deserialize, Serialize};
 
 use super::Record;
@@ -68,7 +68,7 @@ pub(super) struct Pauses {
 impl Pauses {
     /// Takes one control cycle; the status that ends a pause is of the tick that saw why.
     pub(super) fn cycle(&mut self, record: &Record, cycle_s: f64) {
-        let paused = record.machine.state() == MachineState::Paused;
+        let paused = record.machine.state().waits_for_start();
         let was = std::mem::replace(&mut self.paused, paused);
         let cycle = record.truth.cycle.0;
         if paused && !was {

@@ -2,7 +2,7 @@
 //! pauses, coolant.
 #![allow(clippy::unwrap_used)]
 
-use machine::Machine;
+use machine::{Machine, SpindleConfig, ToolChange};
 use protocol::{
     Arc, Code, Feed, Item, MachineState, MachineStatus, PathMode, PerAxis, Plane, Position, SpindleMode,
     SpindleSpeed, operator::Request,
@@ -222,6 +222,54 @@ fn an_optional_stop_waits_as_its_key_is_when_it_is_reached() {
     };
     let passed = last(reached - 12..reached + 12);
     assert!(passed[0] && !passed[23], "{passed:?}");
+}
+
+/// A tool that is put in by hand: axes and spindle stand as long as it is waited for, cycle start says that
+/// it is in, and stop ends the program there. With a turret nothing waits.
+#[test]
+fn a_tool_that_is_put_in_by_hand_is_waited_for_at_rest() {
+    let turns = |mode, rpm| Code::Spindle { mode, speed: SpindleSpeed::Rpm(rpm) };
+    let stops = turns(SpindleMode::Stop, 0.0);
+    let (before, behind) = (line(50.0, 90.0, FEED), line(50.0, 80.0, FEED));
+    let tool = Code::Tool { number: 3 };
+    let codes = [turns(SpindleMode::Clockwise, 300.0), before, stops, tool, behind, Code::End];
+    let mut machine = Machine::plain();
+    let run = |machine: &Machine, codes: &[Code], scenario: &str| {
+        let (items, mut fastest, mut tools) = (items(codes), [0.0_f64; 2], Vec::new());
+        let seen = Stand { machine, items: &items, scenario, seed: 5 }.run(|record| {
+            tools.push((record.machine.tool, record.machine.state() == MachineState::ToolChange));
+            if record.machine.state() == MachineState::ToolChange {
+                let speed: f64 = record.axes.iter().map(|(_, axis)| axis.velocity_mm_s.abs()).sum();
+                fastest = [fastest[0].max(speed), fastest[1].max(record.truth.spindle_rpm.abs())];
+            }
+            None
+        });
+        tools.dedup();
+        (seen, fastest, tools)
+    };
+    let (seen, _, tools) = run(&machine, &codes, "");
+    assert_eq!((seen.outcome, seen.pauses.len()), (Outcome::Completed, 0));
+    assert_eq!(tools, [(0, false), (3, false)]);
+    machine.general.tool_change = ToolChange::ByHand;
+    // Nobody will say so: it is said after a second.
+    let (seen, fastest, tools) = run(&machine, &codes, "");
+    assert_eq!((seen.outcome, seen.moves.count), (Outcome::Completed, 2), "{:?}", seen.faults);
+    assert_eq!(tools, [(0, false), (3, true), (3, false)]);
+    assert!(seen.pauses.len() == 1 && (seen.pauses[0].waited_s - 1.0).abs() < 0.02, "{:?}", seen.pauses);
+    assert!(fastest[0] == 0.0 && fastest[1] < SpindleConfig::STANDSTILL_RPM, "{fastest:?}");
+    let at = |time_s: f64, what: &str| format!("[[event]]\nat = {{ time_s = {time_s} }}\n{what} = true\n");
+    let (seen, ..) = run(&machine, &codes, &at(20.0, "cycle_start"));
+    let ended_s = seen.pauses[0].cycle as f64 * 0.0005 + seen.pauses[0].waited_s;
+    assert!(seen.outcome == Outcome::Completed && (ended_s - 20.0).abs() < 0.02, "{ended_s}");
+    let (seen, ..) = run(&machine, &codes, &at(20.0, "stop"));
+    assert_eq!((seen.outcome, seen.moves.count), (Outcome::Stopped, 1));
+    // With a spindle that has never turned, and behind another pause, each asks for itself.
+    let (seen, ..) = run(&machine, &[tool, Code::Pause, Code::Tool { number: 0 }, Code::End], "");
+    assert_eq!((seen.outcome, seen.pauses.len()), (Outcome::Completed, 3), "{:?}", seen.faults);
+    // From whoever leaves the spindle on nothing is changed.
+    let (seen, ..) = run(&machine, &[codes[0], before, tool, behind, Code::End], "");
+    assert_eq!((seen.outcome, seen.moves.count), (Outcome::Faulted, 1));
+    assert_eq!(seen.faults[0].code, "bad-machine-code");
 }
 
 #[test]

@@ -9,5 +9,6 @@ mod hostile;
 mod playback;
 mod scope;
 mod tables;
+mod tool;
 mod watched;
 mod written_api;

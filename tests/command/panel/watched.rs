@@ -15,7 +15,7 @@ fn watched(place: &Place, program: &str, out: &str, more: &[&str]) -> Panel {
 }
 
 /// The summary that it ends with.
-fn ended(panel: Panel) -> (Option<i32>, Summary) {
+pub(super) fn ended(panel: Panel) -> (Option<i32>, Summary) {
     let answer = panel.ends();
     let summary = serde_json::from_str(&answer.stdout);
     (answer.status, summary.unwrap_or_else(|error| panic!("{error}: {}", answer.stdout)))
