@@ -21,7 +21,7 @@ function scopeNews(news) {
 // What is wanted, told to the server.
 function wanted(mode) {
   scope.mode = mode || scope.mode || "roll";
-  const x = $("scope-x").value, event = $("scope-trigger").value, across = x !== "time";
+  const x = $("scope-x").value, event = $("scope-trigger").value, across = ["pass", "turn"].includes(x);
   $("scope-level").hidden = event !== "level";
   for (const key of document.querySelectorAll("[data-scope]")) key.classList.toggle("go", key.dataset.scope === scope.mode && !across);
   for (const key of document.querySelectorAll(".over-time")) key.hidden = across;
@@ -105,7 +105,7 @@ function drawScope() {
     pen.fillStyle = colour("dim");
     pen.fillText(`${name} ${unitOf(name)}`, 6, top + 13);
     pen.textAlign = "right";
-    if (isFinite(low)) { pen.fillText(shortly(high), width - 6, top + 13); pen.fillText(shortly(low), width - 6, top + lane - 8); }
+    if (isFinite(low)) { pen.fillText(shortly(high), width - 6, top + 13); if (!head.peaks) pen.fillText(shortly(low), width - 6, top + lane - 8); }
     pen.textAlign = "left";
   });
   const bar = (x, name, text) => {
@@ -125,13 +125,13 @@ function drawScope() {
   readScope(head);
 }
 
-// What stands at a place: of passes that of the newest, of points with several cycles the middle.
+// What stands at a place: of passes that of the newest, of points with several cycles the middle, with several lines the highest.
 function valueAt(head, signal, x) {
   const curve = head.curves[head.curves.length - 1];
   if (x === null || !curve || !curve.x.length) return null;
   let at = 0;
   while (at + 1 < curve.x.length && Math.abs(curve.x[at + 1] - x) <= Math.abs(curve.x[at] - x)) at++;
-  return (curve.values[signal][0][at] + curve.values[signal][1][at]) / 2;
+  return head.peaks ? curve.values[signal][1][at] : (curve.values[signal][0][at] + curve.values[signal][1][at]) / 2;
 }
 function readScope(head) {
   const [a, b] = scope.cursors, minus = (one, other) => (one === null || other === null ? null : other - one), apart = minus(a, b);
@@ -142,12 +142,16 @@ function readScope(head) {
   });
   fill($("scope-read"), rows);
   const numbers = head.curves.map((curve) => curve.number), what = $("scope-x").value;
-  const told = head.waits ? ["waits for the trigger"] : head.x === "s" ? [`cycles ${head.cycles[0]} to ${head.cycles[1]}`, head.missing ? head.missing + " are missing" : "none missing", head.trigger_cycle === null ? "" : "trigger in cycle " + head.trigger_cycle] :
+  const seconds = (head.cycles[1] + 1 - head.cycles[0]) * (state.machine?.cycle_s || 0), spectrum = ["hz", "rev"].includes(what);
+  const told = head.waits ? ["waits for the trigger"] : spectrum ? (head.peaks ? [`amplitudes of cycles ${head.cycles[0]} to ${head.cycles[1]} (${shortly(seconds)} s), window of Hann`,
+    ...head.peaks.map(([x, high], signal) => `${head.signals[signal]} highest ${shortly(high)} ${unitOf(head.signals[signal])} at ${shortly(x)} ${head.x}`)] :
+    [head.missing ? `${head.missing} cycles are missing: no spectrum` : what === "rev" ? "no spectrum: two whole turns on the same way are wanted" : "no spectrum: too few cycles"]) :
+    head.x === "s" ? [`cycles ${head.cycles[0]} to ${head.cycles[1]}`, head.missing ? head.missing + " are missing" : "none missing", head.trigger_cycle === null ? "" : "trigger in cycle " + head.trigger_cycle] :
     [numbers.length ? `${what === "pass" ? "passes" : "turns"} ${numbers[0]} to ${numbers[numbers.length - 1]}, the newest bold` : `no whole ${what} is kept`];
   $("scope-state").textContent = told.filter(Boolean).join(" · ");
-  $("scope-zoom").disabled = a === null || b === null || a === b;
+  $("scope-zoom").disabled = a === null || b === null || a === b || spectrum;
   $("scope-whole").disabled = !scope.place;
-  for (const key of document.querySelectorAll("[data-save]")) key.disabled = head.x !== "s" || !head.cycles[1];
+  for (const key of document.querySelectorAll("[data-save]")) key.disabled = !head.cycles[1];
 }
 
 async function saveScope(kind) {
@@ -175,7 +179,9 @@ $("scope-add").onchange = (event) => {
   wanted();
 };
 for (const key of document.querySelectorAll("[data-scope]")) key.onclick = () => { anew(); wanted(key.dataset.scope); };
-for (const id of ["scope-x", "scope-span"]) $(id).onchange = () => { anew(); wanted(); };
+$("scope-span").onchange = () => { anew(); wanted(); };
+// A piece of time that is shown keeps its place when its spectrum is wanted.
+$("scope-x").onchange = () => { const place = scope.place && scope.picture?.x !== "deg" && !["pass", "turn"].includes($("scope-x").value) ? scope.place : null; anew(); scope.place = place; wanted(); };
 for (const id of ["scope-trigger", "scope-pre", "scope-level-of", "scope-at", "scope-edge"]) $(id).onchange = () => wanted();
 for (const key of document.querySelectorAll("[data-save]")) key.onclick = () => saveScope(key.dataset.save);
 $("scope-canvas").onpointerdown = (event) => {

@@ -3,12 +3,13 @@
 
 mod picture;
 mod ring;
+mod spectrum;
 mod trigger;
 
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use picture::{Curve, passes, turns};
+use picture::{Curve, Drawn, over_time, passes, spectrum, turns};
 pub(crate) use ring::Ring;
 use trigger::Trigger;
 
@@ -26,6 +27,27 @@ enum Across {
     Pass,
     /// Degrees of a turn.
     Turn,
+    /// Frequencies, Hz: a spectrum of what lies over time.
+    Hz,
+    /// How often in a revolution of the spindle: the same.
+    Rev,
+}
+
+impl Across {
+    /// Its unit.
+    fn unit(self) -> &'static str {
+        match self {
+            Across::Time => "s",
+            Across::Pass | Across::Turn => "deg",
+            Across::Hz => "Hz",
+            Across::Rev => "1/rev",
+        }
+    }
+
+    /// Whether it shows a stretch of time.
+    fn over_time(self) -> bool {
+        !matches!(self, Across::Pass | Across::Turn)
+    }
 }
 
 /// When there is a picture.
@@ -130,8 +152,7 @@ impl Scope {
         let before = self.hit;
         self.looks(&asked, ring, newest);
         let stays = matches!(asked.mode, Mode::Stand) || self.hit.is_some() && self.hit == before;
-        let over_time = asked.x == Across::Time;
-        if over_time && stays && self.drawn.is_some_and(|(begun, _)| begun == ring.begun()) {
+        if asked.x.over_time() && stays && self.drawn.is_some_and(|(begun, _)| begun == ring.begun()) {
             return None;
         }
         self.drawn = Some((ring.begun(), newest));
@@ -164,34 +185,28 @@ impl Scope {
     fn draws(&self, asked: &Asked, ring: &Ring) -> Vec<u8> {
         let columns: Vec<_> = asked.signals.iter().filter_map(|name| ring.column(name)).collect();
         let window = (asked.mode == Mode::Stand).then_some((asked.from, asked.span));
-        let waits = asked.mode.waits() && self.hit.is_none() && asked.x == Across::Time;
-        let (mut cycles, mut missing) = ([0, 0], 0);
-        let (curves, (from, span)) = match asked.x {
+        let waits = asked.mode.waits() && self.hit.is_none() && asked.x.over_time();
+        let Drawn { curves, window: (from, span), cycles, missing, peaks } = match asked.x {
             Across::Pass => passes(ring, &columns, asked.points, window),
             Across::Turn => turns(ring, &columns, asked.points, window),
-            Across::Time => {
+            Across::Time | Across::Hz | Across::Rev => {
                 let (from, span) = window.unwrap_or_else(|| self.window(asked, ring));
-                let cycle_s = ring.cycle_s();
-                let first = (from / cycle_s).round();
-                let rows = ring.between(first, first + (span / cycle_s).round() + 1.0);
-                if !rows.is_empty() && !waits {
-                    cycles = [ring.cycle(rows.start), ring.cycle(rows.end - 1)];
-                    let apart = cycles[1].saturating_sub(cycles[0]);
-                    missing = apart.saturating_add(1).saturating_sub(rows.len() as u64);
+                let first = (from / ring.cycle_s()).round();
+                let rows = ring.between(first, first + (span / ring.cycle_s()).round() + 1.0);
+                match (asked.x, waits) {
+                    (_, true) => Drawn { window: (from, span), ..Drawn::default() },
+                    (Across::Time, _) => over_time(ring, rows, &columns, asked.points, (from, span)),
+                    (across, _) => spectrum(ring, rows, &columns, asked.points, across == Across::Rev),
                 }
-                let x = rows.map(|row| (ring.cycle(row) as f64 * cycle_s, row));
-                let window = (first * cycle_s, span + 0.5 * cycle_s, asked.points);
-                let curve = (!waits).then(|| Curve::of(ring, x, &columns, window, 0));
-                (curve.into_iter().collect::<Vec<_>>(), (from, span))
             }
         };
         let names: Vec<_> = asked.signals.iter().filter(|name| ring.column(name).is_some()).collect();
         let lengths: Vec<_> = curves.iter().map(|curve| json!([curve.number, curve.x.len()])).collect();
-        let hit = self.hit.filter(|_| asked.x == Across::Time && asked.mode.waits());
+        let hit = self.hit.filter(|_| asked.x.over_time() && asked.mode.waits());
         let document = json!({
-            "x": if asked.x == Across::Time { "s" } else { "deg" }, "from": from, "span": span, "waits": waits,
+            "x": asked.x.unit(), "from": from, "span": span, "waits": waits,
             "trigger": hit.map(|cycle| cycle as f64 * ring.cycle_s()), "trigger_cycle": hit,
-            "cycles": cycles, "missing": missing, "signals": names, "curves": lengths,
+            "cycles": cycles, "missing": missing, "signals": names, "curves": lengths, "peaks": peaks,
         });
         let mut bytes = document.to_string().into_bytes();
         // Numbers begin at a multiple of 8.
@@ -244,7 +259,7 @@ impl Asked {
                 "from is a time on the machine, s, or an angle, degrees"
             }
             () if !(0.0..=1.0).contains(&self.pre) => "pre is 0 to 1",
-            () if self.mode.waits() && self.x == Across::Time && self.trigger.is_none() => {
+            () if self.mode.waits() && self.x.over_time() && self.trigger.is_none() => {
                 "normal and single need a trigger"
             }
             () => return Ok(self),
@@ -319,6 +334,32 @@ mod tests {
         ring.begin(vec!["cycle".into()], 5e-4, 100);
         ring.take(&[7.0]);
         assert_eq!(read(&roll.picture(&ring).expect("a picture")).0["cycles"], json!([7, 7]));
+    }
+
+    /// A spectrum is of the stretch that would be seen over time; with a gap in it there is none.
+    #[test]
+    fn a_spectrum_is_of_what_is_seen_over_time() {
+        let ring = filled(0..3000, 3000);
+        let of = |x: &str, ring: &Ring| {
+            let mut scope = Scope::default();
+            let asked = json!({ "signals": ["cycle", "z_error"], "x": x, "mode": "stand", "from": 0.6,
+                                "span": 0.52, "points": 4000 });
+            scope.set(&json!({ "scope": asked }).to_string(), ring);
+            read(&scope.picture(ring).expect("a picture"))
+        };
+        let (document, numbers) = of("hz", &ring);
+        assert_eq!((&document["x"], &document["cycles"]), (&json!("Hz"), &json!([1217, 2240])));
+        assert_eq!((&document["curves"], numbers.len()), (&json!([[0, 512]]), 5 * 512));
+        let step = 1.0 / (1024.0 * 5e-4);
+        assert!((numbers[1] - step).abs() < 1e-12 && (document["span"] == json!(512.0 * step)), "{document}");
+        let (document, _) = of("rev", &ring);
+        assert_eq!((&document["x"], &document["cycles"]), (&json!("1/rev"), &json!([1280, 2240])));
+        assert!(document["peaks"][1][1].as_f64().is_some_and(|highest| highest > 1e-6), "{document}");
+        let mut gap = filled(0..2000, 3000);
+        (2001..2300).for_each(|cycle| gap.take(&row(cycle)));
+        let (document, numbers) = of("hz", &gap);
+        assert_eq!((&document["missing"], &document["peaks"]), (&json!(1), &Value::Null));
+        assert!(numbers.is_empty());
     }
 
     #[test]

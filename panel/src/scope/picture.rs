@@ -1,7 +1,9 @@
 //! What is drawn. In: rows of the ring, an x for each. Out: curves of so many points that between two of them
 //! nothing is lost: where rows are more, each point has the lowest and the highest value of its rows.
 
-use super::ring::Ring;
+use std::ops::Range;
+
+use super::{ring::Ring, spectrum::Spectrum};
 
 /// Passes, or turns, that are laid over each other: the newest.
 const MOST_CURVES: usize = 16;
@@ -18,9 +20,10 @@ pub(crate) struct Curve {
 }
 
 impl Curve {
-    /// Of rows whose x grows, within a window of `points` points.
+    /// Of rows, or lines, whose x grows, by the value of a signal in each: within a window, of so many
+    /// points.
     pub(crate) fn of(
-        ring: &Ring,
+        value: impl Fn(usize, usize) -> f64,
         rows: impl ExactSizeIterator<Item = (f64, usize)>,
         signals: &[usize],
         (from, span, points): (f64, f64, usize),
@@ -41,7 +44,7 @@ impl Curve {
                 curve.x.push(x);
             }
             for ((low, high), column) in curve.low.iter_mut().zip(&mut curve.high).zip(signals) {
-                let value = ring.value(*column, row);
+                let value = value(*column, row);
                 match (low.last_mut(), high.last_mut()) {
                     (Some(low), Some(high)) if goes_on => (*low, *high) = (low.min(value), high.max(value)),
                     _ => {
@@ -55,11 +58,77 @@ impl Curve {
     }
 }
 
+/// What is drawn, and of what.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Drawn {
+    pub(crate) curves: Vec<Curve>,
+    /// Where x begins, and how far it goes.
+    pub(crate) window: (f64, f64),
+    /// First and last cycle of a stretch of time, and how many between them are not there.
+    pub(crate) cycles: [u64; 2],
+    pub(crate) missing: u64,
+    /// Of a spectrum: where the highest line of each signal lies, and how high it is.
+    pub(crate) peaks: Option<Vec<[f64; 2]>>,
+}
+
+/// First and last cycle of rows, and how many between them are not there.
+fn cycles(ring: &Ring, rows: &Range<usize>) -> ([u64; 2], u64) {
+    if rows.is_empty() {
+        return ([0, 0], 0);
+    }
+    let [first, last] = [rows.start, rows.end - 1].map(|row| ring.cycle(row));
+    let apart = last.saturating_sub(first).saturating_add(1);
+    ([first, last], apart.saturating_sub(rows.len() as u64))
+}
+
+/// Rows over time, s.
+pub(crate) fn over_time(
+    ring: &Ring,
+    rows: Range<usize>,
+    signals: &[usize],
+    points: usize,
+    window: (f64, f64),
+) -> Drawn {
+    let (cycle_s, (from, span)) = (ring.cycle_s(), window);
+    let (cycles, missing) = cycles(ring, &rows);
+    let x = rows.map(|row| (ring.cycle(row) as f64 * cycle_s, row));
+    let whole = ((from / cycle_s).round() * cycle_s, span + 0.5 * cycle_s, points);
+    let curve = Curve::of(|column, row| ring.value(column, row), x, signals, whole, 0);
+    Drawn { curves: vec![curve], window, cycles, missing, peaks: None }
+}
+
+/// The spectrum of rows, by frequency or by revolution; without curves where there is none: cycles are
+/// missing, or rows or turns are too few.
+pub(crate) fn spectrum(
+    ring: &Ring,
+    rows: Range<usize>,
+    signals: &[usize],
+    points: usize,
+    by_revolution: bool,
+) -> Drawn {
+    let (all, missing) = cycles(ring, &rows);
+    let spectrum = match (missing, by_revolution) {
+        (0, false) => Spectrum::of_time(ring, rows, signals),
+        (0, true) => Spectrum::of_turns(ring, rows, signals),
+        _ => None,
+    };
+    let Some(spectrum) = spectrum else {
+        return Drawn { window: (0.0, 1.0), cycles: all, missing, ..Drawn::default() };
+    };
+    let (cycles, missing) = cycles(ring, &spectrum.rows);
+    let x = (0..spectrum.lines()).map(|line| (line as f64 * spectrum.step, line));
+    let window = (0.0, spectrum.lines() as f64 * spectrum.step);
+    let which: Vec<_> = (0..signals.len()).collect();
+    let amplitude = |signal: usize, line: usize| spectrum.amplitudes[signal][line];
+    let curve = Curve::of(amplitude, x, &which, (window.0, window.1, points), 0);
+    Drawn { curves: vec![curve], window, cycles, missing, peaks: Some(spectrum.peaks()) }
+}
+
 /// Rows that belong together over the angle of the spindle.
 #[derive(Clone, Debug, PartialEq)]
 struct Stretch {
     number: i64,
-    rows: std::ops::Range<usize>,
+    rows: Range<usize>,
     /// Angle that is 0 in it, degrees.
     zero_deg: f64,
 }
@@ -88,12 +157,7 @@ fn stretches(
 
 /// Passes over the angle from the index at which each began, degrees, in the direction of the spindle; with
 /// how far the longest goes.
-pub(crate) fn passes(
-    ring: &Ring,
-    signals: &[usize],
-    points: usize,
-    window: Option<(f64, f64)>,
-) -> (Vec<Curve>, (f64, f64)) {
+pub(crate) fn passes(ring: &Ring, signals: &[usize], points: usize, window: Option<(f64, f64)>) -> Drawn {
     let number = |row| Some(ring.pass(row) as i64).filter(|pass| *pass > 0);
     // The cycle that first shows the index is less than half a turn away from it.
     let zero = |row| (ring.angle_deg(row) / 360.0).round() * 360.0;
@@ -102,12 +166,7 @@ pub(crate) fn passes(
 }
 
 /// Turns of the spindle over each other.
-pub(crate) fn turns(
-    ring: &Ring,
-    signals: &[usize],
-    points: usize,
-    window: Option<(f64, f64)>,
-) -> (Vec<Curve>, (f64, f64)) {
+pub(crate) fn turns(ring: &Ring, signals: &[usize], points: usize, window: Option<(f64, f64)>) -> Drawn {
     let turn = |row| (ring.angle_deg(row) / 360.0).floor();
     let stretches = stretches(ring, |row| Some(turn(row) as i64), |row| turn(row) * 360.0);
     over_angle(ring, &stretches, signals, points, Some(window.unwrap_or((0.0, 360.0))))
@@ -119,7 +178,7 @@ fn over_angle(
     signals: &[usize],
     points: usize,
     window: Option<(f64, f64)>,
-) -> (Vec<Curve>, (f64, f64)) {
+) -> Drawn {
     let angle = |stretch: &Stretch, row: usize| {
         let from_zero = |row| ring.angle_deg(row) - stretch.zero_deg;
         let backwards = window.is_none() && from_zero(stretch.rows.end - 1) < 0.0;
@@ -129,9 +188,10 @@ fn over_angle(
     let (from, span) = window.unwrap_or((0.0, longest));
     let curve = |stretch: &Stretch| {
         let rows = stretch.rows.clone().map(|row| (angle(stretch, row), row));
-        Curve::of(ring, rows, signals, (from, span, points), stretch.number)
+        Curve::of(|column, row| ring.value(column, row), rows, signals, (from, span, points), stretch.number)
     };
-    (stretches.iter().map(curve).collect(), (from, span))
+    let curves = stretches.iter().map(curve).collect();
+    Drawn { curves, window: (from, span), ..Drawn::default() }
 }
 
 #[cfg(test)]
@@ -146,7 +206,8 @@ mod tests {
         let ring = filled(0..3000, 3000);
         let column = ring.column("z_error").expect("it is there");
         let all = || (0..3000).map(|row| (row as f64, row));
-        let curve = Curve::of(&ring, all(), &[column], (0.0, 3000.0, 100), 0);
+        let value = |column, row| ring.value(column, row);
+        let curve = Curve::of(value, all(), &[column], (0.0, 3000.0, 100), 0);
         assert_eq!(curve.x.len(), 100);
         for (place, x) in curve.x.iter().enumerate() {
             let next = curve.x.get(place + 1).map_or(3000, |next| *next as u64);
@@ -157,7 +218,7 @@ mod tests {
             assert_eq!((curve.low[0][place], curve.high[0][place]), (low, high), "{x}");
         }
         // Where there is room for every row, every row is there.
-        let few = Curve::of(&ring, (100..160).map(|row| (row as f64, row)), &[column], (100.0, 59.0, 100), 0);
+        let few = Curve::of(value, (100..160).map(|row| (row as f64, row)), &[column], (100.0, 59.0, 100), 0);
         assert_eq!(few.low, few.high);
         assert_eq!(few.low[0], (100..160).map(|cycle| row(cycle)[5]).collect::<Vec<_>>());
     }
@@ -166,18 +227,18 @@ mod tests {
     fn passes_lie_over_each_other_from_their_index_on() {
         let ring = filled(0..3000, 3000);
         let column = ring.column("z_error").expect("it is there");
-        let (curves, (from, span)) = passes(&ring, &[column], 4000, None);
-        assert_eq!((from, span), (0.0, 3.0 * 419.0), "from the index of cycle 1080 to cycle 1499");
+        let Drawn { curves, window, .. } = passes(&ring, &[column], 4000, None);
+        assert_eq!(window, (0.0, 3.0 * 419.0), "from the index of cycle 1080 to cycle 1499");
         let numbers: Vec<_> = curves.iter().map(|curve| curve.number).collect();
         assert_eq!(numbers, [1, 2]);
         assert_eq!(curves[0].x, curves[1].x, "both from their own index");
         assert_eq!(curves[1].low[0][0], row(2280)[5]);
-        let (near, _) = passes(&ring, &[column], 10, Some((300.0, 60.0)));
+        let near = passes(&ring, &[column], 10, Some((300.0, 60.0))).curves;
         assert!(near[0].x.len() <= 11 && near[0].x[0] == 300.0, "{:?}", near[0].x);
         // Of a pass whose index is gone nobody knows where it began.
-        let (late, _) = passes(&filled(0..3000, 1800), &[column], 4000, None);
+        let late = passes(&filled(0..3000, 1800), &[column], 4000, None).curves;
         assert_eq!(late.iter().map(|curve| curve.number).collect::<Vec<_>>(), [2]);
-        let (turns, window) = turns(&ring, &[column], 4000, None);
+        let Drawn { curves: turns, window, .. } = turns(&ring, &[column], 4000, None);
         assert_eq!((turns.len(), window), (16, (0.0, 360.0)));
         assert_eq!(turns[3].x, (0..120).map(|cycle| 3.0 * f64::from(cycle)).collect::<Vec<_>>());
     }
