@@ -9,6 +9,7 @@ mod hostile;
 mod playback;
 mod scope;
 mod tables;
+mod tasks;
 mod tool;
 mod watched;
 mod written_api;
