@@ -349,10 +349,10 @@ fn codes_of_states_and_faults_are_stable() {
     }
     assert_eq!(protocol::Fault::from_code(0), None);
     assert_eq!(protocol::Fault::from_code(u32::MAX), None);
-    for code in 0..9 {
+    for code in 0..10 {
         assert_eq!(MachineState::from_code(code).map(|state| state as u32), Ok(code));
     }
-    assert_eq!(MachineState::from_code(9), Err(Refused::UnknownCode { field: "machine state", code: 9 }));
+    assert_eq!(MachineState::from_code(10), Err(Refused::UnknownCode { field: "machine state", code: 10 }));
 }
 
 proptest! {
