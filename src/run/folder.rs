@@ -312,8 +312,8 @@ pub(crate) fn without_summary(folder: &Path, error: String) -> CliError {
         )
     } else {
         format!(
-            "{name}: this run was broken off, and has no {SUMMARY}\nhelp: {shows}, `pitchlock run {name} --resume` goes on with \
-             it; of the run that goes on there is a report and a replay"
+            "{name}: this run was broken off, and has no {SUMMARY}\nhelp: {shows}; if that is not the end of its program, \
+             `pitchlock run {name} --resume` goes on with it, and of the run that goes on there is a report and a replay"
         )
     };
     CliError::Input(text)

@@ -300,7 +300,11 @@ impl Prepared {
         let recorded = arrivals.map_or(Ok(()), |arrivals| keep_arrivals(&folder, &arrivals));
         let written = summary.write(&folder.join(SUMMARY)).map_err(CliError::from);
         let pressed = live.as_mut().map_or(Ok(()), |live| live.ends(&summary, &folder));
-        caught.let_go();
+        // A panel that stays heeds them when it has written and said all.
+        let stays = live.is_some_and(|live| !live.ends_with_its_run);
+        if !stays {
+            caught.let_go();
+        }
         let left = || keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
         let kept = kept.and_then(|()| left());
         let drawing = Phase::begin(DRAWING);
@@ -308,9 +312,9 @@ impl Prepared {
         drop(drawing);
         // The folder is whole, and nobody's any more, before anything waits for a reader.
         drop(setup);
-        let form = match live {
-            Some(live) if !live.ends_with_its_run => Form::Said,
-            _ if json => Form::Json,
+        let form = match (stays, json) {
+            (true, _) => Form::Said,
+            (_, true) => Form::Json,
             _ => Form::Printed,
         };
         tell_end(&summary, report.as_deref().ok(), form, quiet)?;
