@@ -229,6 +229,13 @@ function jogs() {
       key.oncontextmenu = () => false;
       house.append(key);
     }
+    const home = document.createElement("button");
+    home.type = "button";
+    home.id = "home-" + axis;
+    home.textContent = "Home";
+    home.title = `${axis} goes to its home, in rapid motion`;
+    home.onclick = () => press("home", axis);
+    house.append(home);
     const choice = document.createElement("option");
     choice.textContent = axis;
     $("touch-axis").append(choice);

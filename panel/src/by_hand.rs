@@ -11,7 +11,7 @@ use crate::wire::{HandAsked, Play};
 /// Most characters of a block.
 const LONGEST_BLOCK: usize = 512;
 
-/// Longest name of a coordinate system or a tool.
+/// Longest name of a coordinate system, a tool, an axis.
 const LONGEST_NAME: usize = 12;
 
 type Read = Result<HandAsked, &'static str>;
@@ -54,6 +54,14 @@ pub(crate) fn jog(value: &Value) -> Read {
         (None, Some("+")) => Ok(HandAsked::Jog { axis, positive: true, mm_min }),
         (None, Some("-")) => Ok(HandAsked::Jog { axis, positive: false, mm_min }),
         _ => Err(what),
+    }
+}
+
+/// An axis goes to its home.
+pub(crate) fn home(value: &Value) -> Read {
+    match value.as_str() {
+        Some(axis) if !axis.is_empty() && axis.len() <= LONGEST_NAME => Ok(HandAsked::Home(axis.to_owned())),
+        _ => Err("value is the name of an axis"),
     }
 }
 

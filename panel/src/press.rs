@@ -28,8 +28,6 @@ pub enum Does {
     LeaveSeat,
     /// Work by hand: what its value says.
     Hand(fn(&Value) -> Result<HandAsked, &'static str>),
-    /// This machine cannot do it yet.
-    NotYet,
 }
 
 /// Every word, in the order of the documentation.
@@ -57,7 +55,7 @@ pub const DOES: [(&str, Does); 25] = [
     ("play", Does::Hand(by_hand::play)),
     ("step", Does::Hand(by_hand::step)),
     ("seek", Does::Hand(by_hand::seek)),
-    ("home", Does::NotYet),
+    ("home", Does::Hand(by_hand::home)),
     ("tool-change", Does::Hand(by_hand::tool_in)),
 ];
 
@@ -138,15 +136,11 @@ fn asked(word: &str, value: &Value, name: String) -> Result<(String, Asked), Ref
         return Err(Refusal::new("bad-request", why));
     }
     let Some((_, does)) = DOES.iter().find(|(known, _)| *known == word) else {
-        let known: Vec<_> =
-            DOES.iter().filter(|(_, does)| !matches!(does, Does::NotYet)).map(|(word, _)| *word).collect();
+        let known = DOES.map(|(word, _)| word);
         return Err(Refusal::new("unknown", format!("do is one of {}", known.join(", "))));
     };
     let wrong = |what: String| Err(Refusal::new("bad-value", format!("{word}: {what}")));
     let request = match (*does, value) {
-        (Does::NotYet, _) => {
-            return Err(Refusal::new("not-there-yet", format!("{word}: this machine cannot do that yet")));
-        }
         (Does::Button(_) | Does::TakeSeat | Does::LeaveSeat, value) if !value.is_null() => {
             return wrong("has no value".into());
         }
@@ -194,6 +188,7 @@ mod tests {
                     "touch-off" => ",\"value\":{\"axis\":\"Z\",\"value\":-2.5,\"tool\":3}",
                     "offset" => ",\"value\":{\"of\":\"T3\",\"add\":{\"X\":-0.025}}",
                     "spindle" => ",\"value\":-300",
+                    "home" => ",\"value\":\"Z\"",
                     "tool-change" => ",\"value\":3",
                     "play" => ",\"value\":0.5",
                     "step" => ",\"value\":100",
@@ -205,7 +200,6 @@ mod tests {
             let text = format!("{{\"id\":7,\"do\":\"{word}\",\"as\":\"me\"{value}}}");
             let (id, asked) = read(text.as_bytes());
             match (does, asked) {
-                (Does::NotYet, Err(refusal)) => assert_eq!(refusal.code, "not-there-yet"),
                 (Does::TakeSeat, asked) => assert_eq!(asked, Ok(("me".into(), Asked::TakeSeat))),
                 (Does::LeaveSeat, asked) => assert_eq!(asked, Ok(("me".into(), Asked::LeaveSeat))),
                 (Does::Hand(_), Ok((_, Asked::Press(press)))) => {
@@ -214,6 +208,7 @@ mod tests {
                         "mdi" => HandAsked::Block("G0 X1".into()),
                         "jog" => HandAsked::Jog { axis: "Z".into(), positive: false, mm_min: 5.0 },
                         "jog-on" => HandAsked::JogOn,
+                        "home" => HandAsked::Home("Z".into()),
                         "tool-change" => HandAsked::ToolIn(3),
                         "play" => HandAsked::Play(Play::Speed(0.5)),
                         "step" => HandAsked::Play(Play::Step(100)),
@@ -272,6 +267,7 @@ mod tests {
                 "{\"id\":1,\"do\":\"offset\",\"as\":\"me\",\"value\":{\"of\":\"T3\",\"set\":{\"X\":1},\"add\":{\"X\":1}}}",
                 "bad-value",
             ),
+            ("{\"id\":1,\"do\":\"home\",\"as\":\"me\"}", "bad-value"),
             ("{\"id\":1,\"do\":\"tool-change\",\"as\":\"me\"}", "bad-value"),
             ("{\"id\":1,\"do\":\"tool-change\",\"as\":\"me\",\"value\":-3}", "bad-value"),
             ("{\"id\":1,\"do\":\"play\",\"as\":\"me\",\"value\":-1}", "bad-value"),
@@ -286,6 +282,6 @@ mod tests {
         let deep = "[".repeat(100_000);
         assert_eq!(refused(&deep).1, "bad-request");
         let (id, _, why) = refused("{\"id\":\"a\",\"do\":\"go\",\"as\":\"me\"}");
-        assert!(id == "a" && why.contains("take-seat") && !why.contains("home"), "{why}");
+        assert!(id == "a" && why.contains("take-seat"), "{why}");
     }
 }

@@ -76,6 +76,8 @@ pub enum HandAsked {
         /// How fast.
         mm_min: f64,
     },
+    /// One axis goes to its home, in rapid motion.
+    Home(String),
     /// A jog is confirmed.
     JogOn,
     /// Where an axis stands is this value of the coordinate system in force, in units of the program.

@@ -138,6 +138,14 @@ impl Hand {
                 let most = 60.0 * config.velocity_mm_s;
                 self.jog(&at, (axis, target), feed(*mm_min, most)?, false)
             }
+            HandAsked::Home(axis) => {
+                let (axis, config) = self.axis(axis)?;
+                let target = Position::from_mm(config.home_mm);
+                if at[axis.index()] == target {
+                    return Err(format!("{} stands at its home", axis.name().to_ascii_uppercase()));
+                }
+                self.jog(&at, (axis, target), Feed::Rapid, false)
+            }
             HandAsked::Jog { axis, positive, mm_min } => {
                 let (axis, config) = self.axis(axis)?;
                 let target = Position::from_mm(config.travel_mm[usize::from(*positive)]);
@@ -194,17 +202,21 @@ impl Hand {
     }
 
     /// One axis goes to a place.
-    fn jog(&self, at: &PerAxis<Position>, (axis, to): (Axis, Position), mm_min: f64, jogs: bool) -> Given {
+    fn jog(&self, at: &PerAxis<Position>, (axis, to): (Axis, Position), feed: Feed, jogs: bool) -> Given {
         let line = self.reader.blocks() as u32;
         let mut target = *at;
         target[axis.index()] = to;
         let codes = [
             Code::ByHand(ByHand::Begins { at: *at, jogs }),
-            Code::Line { target, feed: Feed::PerMinute(mm_min) },
+            Code::Line { target, feed },
             Code::ByHand(ByHand::Waits),
         ];
         let (name, what) = (axis.name().to_ascii_uppercase(), if jogs { "towards" } else { "to" });
-        let text = format!("jog: {name} {what} {:.6} of the machine at {mm_min} /min", to.mm());
+        let fast = match feed {
+            Feed::PerMinute(mm_min) => format!("at {mm_min} /min"),
+            _ => "in rapid motion".into(),
+        };
+        let text = format!("jog: {name} {what} {:.6} of the machine {fast}", to.mm());
         Given { items: codes.map(|code| Item { line, code }).to_vec(), jogs, text }
     }
 
@@ -278,9 +290,9 @@ fn decimal(value: f64) -> String {
 }
 
 /// A feed of a jog.
-fn feed(mm_min: f64, most: f64) -> Result<f64, String> {
+fn feed(mm_min: f64, most: f64) -> Result<Feed, String> {
     if (SLOWEST..=most).contains(&mm_min) {
-        return Ok(mm_min);
+        return Ok(Feed::PerMinute(mm_min));
     }
     Err(format!("{mm_min} is no feed of this jog: {SLOWEST} to {most:.0} mm/min"))
 }

@@ -68,7 +68,6 @@ async fn ask(State(house): State<Arc<House>>, headers: HeaderMap, body: Bytes) -
     let status = match answer["refused"].as_str() {
         None => StatusCode::OK,
         Some("bad-request" | "bad-value" | "bad-block" | "bad-offset" | "unknown") => StatusCode::BAD_REQUEST,
-        Some("not-there-yet") => StatusCode::NOT_IMPLEMENTED,
         Some("no-answer") => StatusCode::GATEWAY_TIMEOUT,
         Some("too-many") => StatusCode::TOO_MANY_REQUESTS,
         Some(_) => StatusCode::CONFLICT,

@@ -230,6 +230,13 @@ fn a_browser_works_by_hand() {
         state["origin_mm"][1].as_f64().is_some_and(|zero| (zero - (stands - 2.5)).abs() < 1e-6)
     });
     browser.until_text("mode", "ready");
+    // The page may show the mode of before, and a key that is off takes no press.
+    let home = machine::Machine::default().axis[&protocol::Axis::Z].home_mm;
+    until("Z is at its home", || {
+        browser.click("#home-Z");
+        (z(&panel) - home).abs() < 1e-6
+    });
+    browser.until_text("mode", "ready");
     browser.click("[data-do=abort]");
     browser.until_text("mode", "off");
     assert!(place.at("session/by-hand.mc").is_file());
@@ -347,6 +354,11 @@ fn a_browser_has_a_scope() {
         fs::read_to_string(folder.join(&name)).is_ok_and(|text| text.lines().count() == 82)
     });
     browser.picture("panel-scope");
+    // Of the piece that is shown: the newest 64 of its 81 cycles.
+    browser.value("(s => { s.value = 'hz'; s.onchange(); })(document.getElementById('scope-x'))");
+    browser.until_text("scope-state", "(0.032 s), window of Hann · spindle_true_deg highest");
+    assert_eq!(browser.value("scope.picture.cycles"), json!([hit - 23, hit + 40]));
+    browser.picture("panel-scope-spectrum");
     browser.value("(s => { s.value = 'pass'; s.onchange(); })(document.getElementById('scope-x'))");
     browser.until_text("scope-state", "passes 1 to 2");
     assert_eq!(browser.value(FITS), true);

@@ -99,7 +99,8 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
         ("jog-on", Value::Null, "not-now", "no jog"),
         ("start", Value::Null, "not-now", "nothing is held"),
         ("by-hand", Value::Null, "not-now", "is on"),
-        ("home", Value::Null, "not-there-yet", "home"),
+        ("home", Value::Null, "bad-value", "name of an axis"),
+        ("home", json!("C"), "bad-block", "no axis"),
     ] {
         let (told, reason) = refused(&panel, word, value.clone());
         assert!(told == code && reason.contains(why), "{word} {value}: {told}: {reason}");
@@ -114,6 +115,11 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
     panel.press("start");
     is_ready(&panel);
     near(stands(&panel), [x + 5.0, z - 44.0]);
+    // Home is where the machine file says, whatever is in force; there it is refused.
+    does(&panel, "mdi", "G20 G91");
+    does(&panel, "home", "z");
+    near(stands(&panel), [x + 5.0, machine::Machine::default().axis[&protocol::Axis::Z].home_mm]);
+    assert_eq!(refused(&panel, "home", json!("Z")).1, "Z stands at its home");
     let summary = ended(&place, panel);
     assert_eq!((summary.outcome, summary.faults.len()), (Outcome::Stopped, 0));
     is_repeated(&place, "session", &summary);

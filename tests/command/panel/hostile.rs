@@ -313,7 +313,7 @@ fn words_and_values_that_mean_nothing_are_refused_by_name() {
     let mut socket = panel.socket();
     for (document, code) in [
         (json!({ "id": 1, "do": "format", "as": "me" }), "unknown"),
-        (json!({ "id": 1, "do": "home", "as": "me" }), "not-there-yet"),
+        (json!({ "id": 1, "do": "home", "as": "me" }), "bad-value"),
         (json!({ "id": 1, "do": "jog", "as": "me", "value": 5 }), "bad-value"),
         (
             json!({ "id": 1, "do": "jog", "as": "me", "value": { "axis": "X", "mm_min": 1, "way": "up" } }),

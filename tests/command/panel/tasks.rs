@@ -117,7 +117,7 @@ fn twenty_tasks_are_done_with_the_panel_alone() {
     let more = ["--pace", "10", "--trace", "none"];
     let panel = Panel::start(&place, &[&["panel", "bolt.ngc"], &files[..], &more].concat());
     let (mut behind, mut before) = (0, panel.state());
-    let (tasks, not) = page.split_once("## What cannot be done").expect("a heading");
+    let (tasks, _) = page.split_once("## What cannot be done").expect("a heading");
     let tasks: Vec<_> = tasks.split("\n### ").skip(1).collect();
     assert_eq!(tasks.len(), 20);
     for (number, task) in (1..).zip(tasks) {
@@ -128,9 +128,6 @@ fn twenty_tasks_are_done_with_the_panel_alone() {
         is_done(number, &place, &state, &before);
         before = state;
     }
-    assert!(not.contains("`home`"));
-    let document = json!({ "id": 1, "do": "home", "as": "machinist" });
-    assert_eq!(panel.ask(&document)["refused"], "not-there-yet");
     signal(panel.launcher.id(), "INT");
     assert_eq!(panel.ends().status, Some(0));
     let summary = |number: u32| {

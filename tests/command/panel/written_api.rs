@@ -73,9 +73,7 @@ fn the_page_has_every_word_every_field_and_every_refusal() {
             assert!(page.contains(&format!("`{part}`")), "{field}: {part}");
         }
     }
-    for code in
-        ["bad-request", "bad-value", "unknown", "not-there-yet", "no-seat", "not-your-seat", "not-running"]
-    {
+    for code in ["bad-request", "bad-value", "unknown", "no-seat", "not-your-seat", "not-running"] {
         assert!(page.contains(&format!("`{code}`")), "{code}");
     }
     for code in ["too-many", "no-answer"] {
