@@ -87,3 +87,32 @@ fn a_larger_p_or_q_and_shorter_lines_are_hardly_slower() {
         assert!(slower <= most, "{slower} times as long: {which}");
     }
 }
+
+/// The sides of polygons in one line or in several are alike in time. Rounded to a thousandth or not, none
+/// takes over 10 % longer than the fastest.
+#[test]
+fn sides_of_polygons_are_as_fast_in_parts() {
+    let place = Place::new();
+    for sides in [24, 36, 60, 90] {
+        let times = [1, 2, 3].map(|parts| {
+            [3, 6].map(|decimals| {
+                let at = |k: u32| {
+                    let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(k) / f64::from(sides));
+                    [20.0 * cos - 20.0, 20.0 * sin]
+                };
+                let mut text = String::from("G21 G90 G94 G17 G64 P0.01 F6000\n");
+                for (side, part) in (0..sides).flat_map(|side| (1..=parts).map(move |part| (side, part))) {
+                    let share = f64::from(part) / f64::from(parts);
+                    let [from, to] = [at(side), at(side + 1)];
+                    let [x, y] = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+                    text += &format!("G1 X{x:.decimals$} Y{y:.decimals$}\n");
+                }
+                foretold(&place, &(text + "M2\n"))
+            })
+        });
+        let times = times.as_flattened();
+        let [least, most] =
+            [f64::min, f64::max].map(|of| times.iter().copied().reduce(of).unwrap_or(f64::NAN));
+        assert!(most < 1.1 * least, "{sides} sides: {times:?} s");
+    }
+}

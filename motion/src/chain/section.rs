@@ -38,11 +38,13 @@ impl Section {
         Section { length, feed, limits, loosest, stops, exit_hard: 0.0, exit_soft: 0.0, asked: 0 }
     }
 
-    /// The feed asked for, within what the path allows; 0 for one that is too slow to be one.
+    /// The feed asked for, within what the path allows: an override above 0 leaves the least feed; a spindle
+    /// too slow for it leaves 0.
     pub(super) fn cap(&self, ratios: &Ratios) -> f64 {
         let asked = match self.feed {
             Feed::Rapid => ratios.rapid * self.limits.v,
-            Feed::PerSecond(feed) => ratios.feed * feed,
+            Feed::PerSecond(feed) if ratios.feed > 0.0 => (ratios.feed * feed).max(LEAST_FEED),
+            Feed::PerSecond(_) => 0.0,
             Feed::PerRevolution(feed, _) => ratios.turns * feed,
         };
         if asked < LEAST_FEED { 0.0 } else { asked.min(self.limits.v) }

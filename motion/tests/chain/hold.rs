@@ -4,7 +4,7 @@
 use crate::programs::{N, program, through};
 use crate::rounded::{Rounded, distance};
 use crate::stand::{AXES, CYCLE_S, Stand, ask};
-use motion::chain::{Ask, Corner, Feed};
+use motion::chain::{Ask, Corner, Feed, LEAST_FEED, Ratios};
 use motion::{Limits, Path, junction_distance};
 use testing::Seed;
 
@@ -93,6 +93,19 @@ fn a_hold_from_full_rapid_stops_as_soon_as_the_limits_allow() {
             assert!(made >= least * (1.0 - 1e-6), "{made} mm cannot be: {least}");
         }
     }
+}
+
+/// An override that is not 0 never stops the machine for good, however slow the feed is that it leaves.
+#[test]
+fn the_least_feed_at_the_least_override_comes_to_its_end() {
+    let blocks = through(&[[0.0; N], [0.02, 0.0, 0.0]], Feed::PerSecond(2e-3), Corner::Stop);
+    let mut stand = Stand::new(&blocks);
+    let least = Ask { ratios: Ratios { feed: 0.01, ..Ratios::full(0.0) }, ..ask() };
+    while stand.tick(&least) {
+        assert!(stand.speed() <= LEAST_FEED * (1.0 + 1e-9), "{} mm/s", stand.speed());
+    }
+    stand.ends();
+    assert!(stand.ticks().abs_diff(10_000) < 50, "{} cycles for 20 s", stand.ticks());
 }
 
 /// A hold at the very beginning of a rapid does not let its first pulse of jerk run out.

@@ -21,6 +21,7 @@
 //! ```
 //! A spline turns within some P/θ, whatever the lines are. Where that is short against them and nothing
 //! around turns alike, what is followed is no curve but a corner, which a stop or a blend passes faster.
+//! Lines one behind the other that turn by less than 0.01 in all are one line here, however it was divided.
 //!
 //! A long run is fitted in windows, so memory is bounded and pieces leave as the lines come. A window goes on
 //! from the derivatives of the one before, whose last third it fits again with more of the lines ahead. One
@@ -44,6 +45,9 @@ const LEAST_CORNER: f64 = 0.1;
 /// them.
 const TIGHT: f64 = 6.0;
 const ALONE: f64 = 4.0;
+/// Lines that turn by less in all are one line of a corner, as far as so many go.
+const STRAIGHT: f64 = 0.01;
+const PARTS: usize = 16;
 /// Share of the tolerance that a spline has in its first and last line: the blend at its end has the other.
 const BESIDE: f64 = 0.5;
 /// A run has so many lines at least, and is so many tolerances long: blends at its ends reach over a shorter
@@ -160,9 +164,13 @@ pub struct Compressor<T> {
     looked: usize,
     /// Whether a piece ends between two lines.
     apart: fn(&T, &T) -> bool,
-    /// The last line, which waits for the one behind it; turns at the start and at the end of the one before.
-    next: Option<(Vector, T)>,
+    /// The last lines, which nearly are one and wait for what is behind it, each with the turn at its start;
+    /// by how much they turn in all.
+    next: Vec<(Vector, f64, T)>,
+    bent: f64,
+    /// Turns at the start and at the end of the one line before, and its length.
     turns: [f64; 2],
+    before: f64,
 }
 
 impl<T> Compressor<T> {
@@ -171,48 +179,71 @@ impl<T> Compressor<T> {
     #[must_use]
     pub fn new(from: [f64; 3], leeway: Leeway, apart: fn(&T, &T) -> bool) -> Compressor<T> {
         let (lines, tags) = (Lines::new(from, BESIDE * leeway.corner), Vec::new());
-        Compressor { leeway, lines, tags, fitted: None, looked: 0, apart, next: None, turns: [0.0; 2] }
+        Compressor {
+            leeway,
+            lines,
+            tags,
+            fitted: None,
+            looked: 0,
+            apart,
+            next: Vec::new(),
+            bent: 0.0,
+            turns: [0.0; 2],
+            before: 0.0,
+        }
     }
 
     /// Whether lines wait.
     #[must_use]
     pub fn holds(&self) -> bool {
-        !self.tags.is_empty() || self.next.is_some()
+        !self.tags.is_empty() || !self.next.is_empty()
     }
 
     /// A line to a point, which has a length; `out` takes what cannot change any more.
     pub fn add(&mut self, to: [f64; 3], tag: T, out: &mut impl FnMut(Course<'_, T>)) {
-        if let Some((point, tag)) = self.next.take() {
-            let ahead = turn(&self.lines.last(), &point, &to);
-            self.take(point, tag, ahead, out);
+        let last = self.lines.last();
+        let turn = match &self.next[..] {
+            [] => 0.0,
+            [(at, ..)] => turn(&last, at, &to),
+            [.., (from, ..), (at, ..)] => turn(from, at, &to),
+        };
+        self.bent += turn;
+        if self.bent > STRAIGHT || self.next.len() == PARTS {
+            self.take(turn, out);
         }
-        self.next = Some((to, tag));
+        self.next.push((to, turn, tag));
     }
 
     /// What waits leaves; another line may follow as the first of a run.
     pub fn finish(&mut self, out: &mut impl FnMut(Course<'_, T>)) {
-        if let Some((point, tag)) = self.next.take() {
-            self.take(point, tag, 0.0, out);
-        }
+        self.take(0.0, out);
         self.end_run(out);
         self.turns = [0.0; 2];
     }
 
-    /// A line to a point, at which the next one turns by `ahead`.
-    fn take(&mut self, to: [f64; 3], tag: T, ahead: f64, out: &mut impl FnMut(Course<'_, T>)) {
+    /// The lines that wait, behind which the next one turns by `ahead`.
+    fn take(&mut self, ahead: f64, out: &mut impl FnMut(Course<'_, T>)) {
         let [behind, turn] = self.turns;
-        self.turns = [turn, ahead];
+        let way = |from: Vector, to: &Vector| norm(&less(to, &from));
+        let mut from = self.lines.last();
+        let length = self.next.iter().map(|(to, ..)| way(core::mem::replace(&mut from, *to), to)).sum();
+        let shorter = self.before.min(length);
+        let tight = TIGHT * self.within(turn, [self.before, length]) < turn * shorter;
+        let alone = turn > LEAST_CORNER && tight && turn > ALONE * behind.max(ahead);
+        if turn > CORNER || alone {
+            self.end_run(out);
+        }
+        (self.turns, self.before, self.bent) = ([turn, ahead], length, 0.0);
+        let mut next = core::mem::take(&mut self.next);
+        next.drain(..).for_each(|(to, turn, tag)| self.append(to, turn, tag, out));
+        self.next = next;
+    }
+
+    /// Another line of the run, with the turn at its start.
+    fn append(&mut self, to: Vector, turn: f64, tag: T, out: &mut impl FnMut(Course<'_, T>)) {
         if !self.tags.is_empty() {
-            let length = norm(&less(&to, &self.lines.last()));
-            let within = self.within(turn, length);
-            let shorter = length.min(self.lines.length(self.lines.count() - 1));
-            let alone =
-                turn > LEAST_CORNER && TIGHT * within < turn * shorter && turn > ALONE * behind.max(ahead);
-            if turn > CORNER || alone {
-                self.end_run(out);
-            } else {
-                self.lines.widen_last(within);
-            }
+            let lengths = [self.lines.length(self.lines.count() - 1), norm(&less(&to, &self.lines.last()))];
+            self.lines.widen_last(self.within(turn, lengths));
         }
         self.lines.push(to, BESIDE * self.leeway.corner);
         self.tags.push(tag);
@@ -243,12 +274,10 @@ impl<T> Compressor<T> {
         }
     }
 
-    /// How far the path may lead away from the last corner, with this turn and a line of this length behind
-    /// it.
-    fn within(&self, turn: f64, length: f64) -> f64 {
-        let before = self.lines.length(self.lines.count() - 1);
+    /// How far the path may lead away from a corner with this turn between lines of these lengths.
+    fn within(&self, turn: f64, [before, behind]: [f64; 2]) -> f64 {
         // Twice the area over the line past it.
-        let tip = turn * length * before / (length + before);
+        let tip = turn * behind * before / (behind + before);
         if tip <= self.leeway.tip { self.leeway.flat } else { self.leeway.corner }
     }
 
