@@ -30,7 +30,7 @@ pub(super) const MOST_CROSSED: usize = 256;
 const MOST_JOINED: usize = 12;
 /// When something else is asked for, so many sections are looked at again at once, and so many of all of them
 /// in every cycle from then on.
-pub(super) const AT_ONCE: usize = 2 * MOST_JOINED;
+pub(super) const AT_ONCE: usize = MOST_JOINED;
 
 /// The sections ahead; the front one is that in which the machine is.
 #[derive(Clone, Debug)]

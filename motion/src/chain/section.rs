@@ -2,7 +2,7 @@
 //! path. Out: their caps, and the speeds at which one can be entered (M24, M26).
 
 use super::allowance::Allowance;
-use super::{Feed, LEAST_FEED, Ratios};
+use super::{Feed, LEAST_FEED, MOST_RATIO, Ratios};
 use crate::limits::Limits;
 
 /// Caps that differ by less are one.
@@ -50,12 +50,14 @@ impl Section {
         if asked < LEAST_FEED { 0.0 } else { asked.min(self.limits.v) }
     }
 
-    /// The feed without overrides: what is joined must not depend on one that happens to be 0. The spindle
-    /// counts as long as it turns.
-    fn nominal(&self, ratios: &Ratios) -> f64 {
+    /// The feed that an override can make of it: what is joined must not depend on one that happens to be 0.
+    /// The spindle counts as long as it turns.
+    fn highest(&self, ratios: &Ratios) -> f64 {
         match self.feed {
-            Feed::PerSecond(feed) => feed.min(self.limits.v),
-            Feed::PerRevolution(feed, _) if ratios.turns > 0.0 => (ratios.turns * feed).min(self.limits.v),
+            Feed::PerSecond(feed) => (MOST_RATIO * feed).min(self.limits.v),
+            Feed::PerRevolution(feed, _) if ratios.turns > 0.0 => {
+                (MOST_RATIO * ratios.turns * feed).min(self.limits.v)
+            }
             _ => self.limits.v,
         }
     }
@@ -92,8 +94,8 @@ pub(super) fn joins(last: &Section, zone: &Section, ratios: &Ratios) -> bool {
     if !last.goes_on(zone) || blind && last.feed != zone.feed {
         return false;
     }
-    let low = last.nominal(ratios).min(zone.nominal(ratios));
-    let (a, b) = (last.nominal(ratios), zone.nominal(ratios));
+    let low = last.highest(ratios).min(zone.highest(ratios));
+    let (a, b) = (last.highest(ratios), zone.highest(ratios));
     let high = a.max(b);
     if high <= low * (1.0 + ALIKE) {
         // Alike in feed. A long stretch with room for ramps is not tied to tighter limits than its own.

@@ -68,3 +68,27 @@ fn planned_again_in_every_cycle_it_is_as_fast() {
         }
     }
 }
+
+/// Twice half the feed is nearly the feed: what is joined beforehand must not take it from who asks for it later.
+#[test]
+fn an_override_is_as_fast_as_the_same_feed_programmed() {
+    let mut sums = [0, 0];
+    for case in 200..240 {
+        let blocks = bends(case);
+        let halves = |block: &Line| {
+            let Feed::PerSecond(feed) = block.feed else { return *block };
+            Line { feed: Feed::PerSecond(0.5 * feed), ..*block }
+        };
+        let slow: Vec<Line> = blocks.iter().map(halves).collect();
+        let took = |blocks: &[Line], feed: f64| {
+            let mut stand = Stand::new(blocks);
+            stand.run(&Ask { ratios: Ratios { feed, ..ask().ratios }, ..ask() });
+            stand.ends();
+            stand.ticks()
+        };
+        let (programmed, asked) = (took(&blocks, 1.0), took(&slow, 2.0));
+        assert!(asked <= programmed + programmed / 20, "{asked} cycles, not {programmed}: {case}");
+        sums = [sums[0] + asked, sums[1] + programmed];
+    }
+    assert!(sums[0] <= sums[1] + sums[1] / 200, "{sums:?}");
+}
