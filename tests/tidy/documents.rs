@@ -63,6 +63,29 @@ fn every_link_leads_somewhere() {
     none(&findings);
 }
 
+/// A row that has come from another table has other cells than the heading of its own.
+#[test]
+fn rows_of_tables_have_the_cells_of_their_heading() {
+    let mut count = 0;
+    let mut findings = Vec::new();
+    for path in documents() {
+        let mut heading = None;
+        for row in prose(&read(&path)).lines() {
+            let cells = row.replace("\\|", "").matches('|').count();
+            let width = *heading.get_or_insert(cells);
+            if !row.starts_with('|') {
+                heading = None;
+            } else if cells == width {
+                count += 1;
+            } else {
+                findings.push(format!("{}: {cells} cells, not {width}: {row}", path.display()));
+            }
+        }
+    }
+    assert!(count > 500, "only {count} rows were recognised");
+    none(&findings);
+}
+
 /// Headings as anchors: lower case, hyphens for spaces, nothing else but letters and digits.
 fn anchors(text: &str) -> Vec<String> {
     let headings = text.lines().filter(|line| line.starts_with('#'));

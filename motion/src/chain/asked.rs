@@ -3,8 +3,8 @@
 
 /// Highest multiple of a programmed feed that overrides can ask for.
 pub const MOST_RATIO: f64 = 2.0;
-/// Slowest feed, mm/s: a millimetre in a quarter of an hour. No override makes one slower but 0; a spindle that
-/// asks for less stops the feed.
+/// Slowest feed, mm/s: a millimetre in a quarter of an hour. No override but 0 makes one slower; a spindle
+/// that asks for less stops the feed.
 pub const LEAST_FEED: f64 = 1e-3;
 
 /// Feed of a block.

@@ -69,7 +69,7 @@ fn planned_again_in_every_cycle_it_is_as_fast() {
     }
 }
 
-/// Twice half the feed is nearly the feed: what is joined beforehand must not take it from who asks for it later.
+/// Twice half the feed is nearly the feed: what is joined beforehand must not take it from who asks later.
 #[test]
 fn an_override_is_as_fast_as_the_same_feed_programmed() {
     let mut sums = [0, 0];
