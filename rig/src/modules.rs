@@ -105,7 +105,7 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
         }
     }
 
-    /// One control cycle; how many drives got no command.
+    /// One control cycle; how many drives go on with the command of an earlier one.
     pub(crate) fn cycle(&mut self, now: Cycle, measurement: &Measurement) -> usize {
         let measurement = &measurement.sealed();
         self.frames = [None; AXES];
@@ -171,7 +171,8 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
         }
     }
 
-    /// One cycle of every regulator. A drive that gets no command goes on with the one before; how many do.
+    /// One cycle of every regulator. A drive that gets no command goes on with the one before. How many
+    /// answers are late: those that did not come, and those that come of an earlier cycle.
     fn regulate(&mut self, now: Cycle, sent: &Measurement) -> usize {
         let mut late = 0;
         for (governor, seen) in self.governors.iter_mut().zip(&mut self.seen) {
@@ -180,10 +181,11 @@ impl<I: Iterator<Item = Item>, W: Wires> Modules<I, W> {
                 self.wires.measurement(now, axis, Some(sent)).filter(|arrived| is_whole(arrived, sent));
             let frame = self.frames[index].as_ref();
             let out = governor.cycle(measurement.map(|measurement| regulator::In { measurement, frame }));
-            match self.wires.drive(now, axis, out.map(|out| &out.drive)) {
-                Some(drive) if drive.is_whole() => self.drives[index] = *drive,
-                _ => late += 1,
+            let arrived = self.wires.drive(now, axis, out.map(|out| &out.drive));
+            if let Some(drive) = arrived.filter(|drive| drive.is_whole()) {
+                self.drives[index] = *drive;
             }
+            late += usize::from(self.drives[index].cycle < now);
             if let Some(status) = self.wires.status(now, axis, out.map(|out| &out.status)) {
                 self.statuses[index] = *status;
             }

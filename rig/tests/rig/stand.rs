@@ -60,6 +60,12 @@ pub(crate) struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// Plays a scenario from here on; so far there was none, and all of its events lie ahead.
+    pub(crate) fn play(&mut self, scenario: &str) {
+        let scenario = Scenario::from_toml(scenario).expect("the scenarios of the tests are sound");
+        self.rig.play(scenario).expect("it is for axes that there are");
+    }
+
     /// One control cycle; says whether there are more.
     pub(crate) fn cycle(&mut self, operator: &mut impl FnMut(&Record) -> Option<Request>) -> bool {
         let Run { rig, observer, request } = self;

@@ -10,6 +10,7 @@
 //! * nothing is done twice, nothing is left out, after the end nothing moves, and the end has a name.
 
 mod chain;
+mod late;
 mod watch;
 mod way;
 
@@ -82,6 +83,7 @@ struct Seen {
     cycles: u64,
     borders: Vec<u64>,
     cut: Vec<Cutting>,
+    late: u64,
     turns: [f64; 2],
     most_mm: f64,
 }

@@ -38,6 +38,8 @@ pub(super) struct Watch<'a> {
     job: &'a Job,
     last_mm: Vec<f64>,
     last_mm_s: Vec<f64>,
+    /// In which cycle each axis has said so.
+    said: Vec<u64>,
     states: Vec<u32>,
     index: (u64, f64),
     in_pass: Option<InPass>,
@@ -46,6 +48,8 @@ pub(super) struct Watch<'a> {
     pub(super) moves: u64,
     pub(super) borders: Vec<u64>,
     pub(super) cut: Vec<Cutting>,
+    /// Answers that were late.
+    pub(super) late: u64,
     /// Most turns at depth and in the groove on the way out, and largest error in it, mm.
     pub(super) turns_at_depth: f64,
     pub(super) most_turns: f64,
@@ -62,6 +66,7 @@ impl<'a> Watch<'a> {
             job,
             last_mm: vec![],
             last_mm_s: vec![],
+            said: vec![],
             states: vec![],
             index: (0, 0.0),
             in_pass: None,
@@ -70,6 +75,7 @@ impl<'a> Watch<'a> {
             moves: 0,
             borders: vec![],
             cut: vec![],
+            late: 0,
             turns_at_depth: 0.0,
             most_turns: 0.0,
             most_mm: 0.0,
@@ -86,6 +92,8 @@ impl<'a> Watch<'a> {
         }
         self.last_mm = record.axes.iter().map(|(_, status)| status.commanded_mm).collect();
         self.last_mm_s = record.axes.iter().map(|(_, status)| status.velocity_mm_s).collect();
+        self.late = record.truth.late_answers;
+        self.said = record.axes.iter().map(|(_, status)| status.cycle.0).collect();
         self.end_mm.clone_from(&self.last_mm);
         self.states = states;
         self.moves = record.machine.moves;
@@ -105,6 +113,8 @@ impl<'a> Watch<'a> {
             // A stop in timed motion begins in the middle of a ramp: it may use a little more.
             let spare = if is(status, AxisState::Leaving) && status.pass == 0 { 1.25 } else { 1.0 };
             let limits = self.job.machine.axis[axis].limits();
+            // Who was late says the next thing after more than a cycle.
+            let cycle_s = cycle_s * status.cycle.0.saturating_sub(self.said[i]) as f64;
             let (now, now_s) = (status.commanded_mm, status.velocity_mm_s);
             let (step, change) = ((now - before).abs(), (now_s - before_s).abs());
             let at =

@@ -2,6 +2,7 @@
 //! Out: what was seen of it.
 
 use protocol::operator::Request;
+use rig::observe::{Observation, Record};
 
 use super::{Seen, watch::Watch};
 use crate::stand::Run;
@@ -34,6 +35,20 @@ impl<'a> Way<'a> {
         }
     }
 
+    /// What is left of it happens to a machine to which something is done from here on.
+    pub(super) fn playing(mut self, scenario: &str) -> Way<'a> {
+        self.run.play(scenario);
+        self
+    }
+
+    /// What is left of it, before an observer who asks less.
+    pub(super) fn seen_by(self, mut see: impl FnMut(&Record)) -> Observation {
+        self.run.finished(&mut |record| {
+            see(record);
+            None
+        })
+    }
+
     /// What is left of it, with what the operator does in each cycle.
     pub(super) fn finished(self, what: &str, presses: impl Fn(u64) -> Option<Request>) -> Seen {
         let Way { run, mut watch, .. } = self;
@@ -41,9 +56,9 @@ impl<'a> Way<'a> {
             watch.cycle(what, record);
             presses(record.truth.cycle.0)
         });
-        let Watch { end_mm, moves, borders, cut, turns_at_depth, most_turns, most_mm, .. } = watch;
+        let Watch { end_mm, moves, borders, cut, late, turns_at_depth, most_turns, most_mm, .. } = watch;
         let turns = [turns_at_depth, most_turns];
         let cycles = observation.cycles;
-        Seen { cycles, observation, moves, end_mm, borders, cut, turns, most_mm }
+        Seen { cycles, observation, moves, end_mm, borders, cut, late, turns, most_mm }
     }
 }
