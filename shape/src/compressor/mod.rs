@@ -17,11 +17,14 @@
 //! half of the tolerance, for the blend there takes the other half.
 //!
 //! ```text
-//! a corner: θ > 2 sin 15°;  or θ > 0.1, 6P < θℓ of the shorter line, θ > 4 θ′ of both neighbours  (M189)
+//! a corner: θ > 2 sin 15°;  or θ > 0.1, 6P < θℓ of the shorter line, θ > 4 θ′ of both neighbours;
+//!           or θ > 0.1, 80P < θℓ                                                                   (M189)
 //! ```
 //! A spline turns within some P/θ, whatever the lines are. Where that is short against them and nothing
-//! around turns alike, what is followed is no curve but a corner, which a stop or a blend passes faster.
-//! Lines one behind the other that turn by less than 0.01 in all are one line here, however it was divided.
+//! around turns alike, or very short, what is followed is no curve but a corner, which a stop or a blend
+//! passes faster.
+//! Lines one behind the other that turn by less than 0.01 from where they begin are one line here, however it
+//! was divided.
 //!
 //! A long run is fitted in windows, so memory is bounded and pieces leave as the lines come. A window goes on
 //! from the derivatives of the one before, whose last third it fits again with more of the lines ahead. One
@@ -42,10 +45,11 @@ pub use pieces::Bow;
 const CORNER: f64 = 0.517_638_090_205_041_5;
 const LEAST_CORNER: f64 = 0.1;
 /// and between them those with lines longer than so many P/θ, and by so many times more than both beside
-/// them.
+/// them, or with lines so much longer.
 const TIGHT: f64 = 6.0;
+const VERY_TIGHT: f64 = 80.0;
 const ALONE: f64 = 4.0;
-/// Lines that turn by less in all are one line of a corner, as far as so many go.
+/// Lines that turn by less from where they begin are one line of a corner, as far as so many go.
 const STRAIGHT: f64 = 0.01;
 const PARTS: usize = 16;
 /// Share of the tolerance that a spline has in its first and last line: the blend at its end has the other.
@@ -164,10 +168,8 @@ pub struct Compressor<T> {
     looked: usize,
     /// Whether a piece ends between two lines.
     apart: fn(&T, &T) -> bool,
-    /// The last lines, which nearly are one and wait for what is behind it, each with the turn at its start;
-    /// by how much they turn in all.
+    /// The last lines, which nearly are one and wait for what is behind it, each with the turn at its start.
     next: Vec<(Vector, f64, T)>,
-    bent: f64,
     /// Turns at the start and at the end of the one line before, and its length.
     turns: [f64; 2],
     before: f64,
@@ -187,7 +189,6 @@ impl<T> Compressor<T> {
             looked: 0,
             apart,
             next: Vec::new(),
-            bent: 0.0,
             turns: [0.0; 2],
             before: 0.0,
         }
@@ -201,17 +202,16 @@ impl<T> Compressor<T> {
 
     /// A line to a point, which has a length; `out` takes what cannot change any more.
     pub fn add(&mut self, to: [f64; 3], tag: T, out: &mut impl FnMut(Course<'_, T>)) {
-        let last = self.lines.last();
-        let turn = match &self.next[..] {
-            [] => 0.0,
-            [(at, ..)] => turn(&last, at, &to),
-            [.., (from, ..), (at, ..)] => turn(from, at, &to),
+        let start = self.lines.last();
+        let [ahead, bent] = match &self.next[..] {
+            [] => [0.0; 2],
+            [(at, ..)] => [turn(&start, at, &to); 2],
+            [.., (from, ..), (at, ..)] => [turn(from, at, &to), turn(&start, at, &to)],
         };
-        self.bent += turn;
-        if self.bent > STRAIGHT || self.next.len() == PARTS {
-            self.take(turn, out);
+        if bent > STRAIGHT || self.next.len() == PARTS {
+            self.take(ahead, out);
         }
-        self.next.push((to, turn, tag));
+        self.next.push((to, ahead, tag));
     }
 
     /// What waits leaves; another line may follow as the first of a run.
@@ -228,12 +228,12 @@ impl<T> Compressor<T> {
         let mut from = self.lines.last();
         let length = self.next.iter().map(|(to, ..)| way(core::mem::replace(&mut from, *to), to)).sum();
         let shorter = self.before.min(length);
-        let tight = TIGHT * self.within(turn, [self.before, length]) < turn * shorter;
-        let alone = turn > LEAST_CORNER && tight && turn > ALONE * behind.max(ahead);
-        if turn > CORNER || alone {
+        let tight = turn * shorter / self.within(turn, [self.before, length]);
+        let alone = tight > TIGHT && turn > ALONE * behind.max(ahead);
+        if turn > CORNER || turn > LEAST_CORNER && (alone || tight > VERY_TIGHT) {
             self.end_run(out);
         }
-        (self.turns, self.before, self.bent) = ([turn, ahead], length, 0.0);
+        (self.turns, self.before) = ([turn, ahead], length);
         let mut next = core::mem::take(&mut self.next);
         next.drain(..).for_each(|(to, turn, tag)| self.append(to, turn, tag, out));
         self.next = next;
