@@ -106,8 +106,8 @@ fn sides(turns: &[f64], length: f64, [parts, decimals]: [usize; 2], mode: &str) 
 }
 
 /// Sides in one line or in several are alike in time, whether they are those of a polygon, which is nearly a
-/// curve, or of sharp corners to either side. In parts they take no more than 10 % longer than whole, rounded to
-/// a thousandth or not.
+/// curve, or of sharp corners to either side. In parts they take no more than 10 % longer than whole, rounded
+/// to a thousandth or not.
 #[test]
 fn sides_are_as_fast_in_parts() {
     let place = Place::new();

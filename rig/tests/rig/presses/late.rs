@@ -1,8 +1,8 @@
 //! Answers that come late, at every cycle around each border of a pass: nobody gets what is measured while
-//! the process of plant and regulators stands, or a regulator alone stands and answers later what has waited
-//! for it. All of them are counted. Two in a row are bridged, before the observer of all presses; at the third
-//! the drives trip: then the cause has its name, the machine comes to rest, no axis has gone deeper than the
-//! pass, and a tool that stays in its groove is told.
+//! the process of plant and regulators stands, or a regulator alone stands and answers later what has
+//! waited for it. All of them are counted. Two in a row are bridged, before the observer of all presses; at
+//! the third the drives trip: then the cause has its name, the machine comes to rest, no axis has gone
+//! deeper than the pass, and a tool that stays in its groove is told.
 
 use std::collections::BTreeSet;
 
