@@ -15,8 +15,9 @@ use std::{
 
 use process::ipc::time::{Moment, sleep_until};
 
-/// At the end of a run a disk that takes nothing for so long is given up.
-pub(crate) const DISK: Duration = Duration::from_secs(10);
+/// At the end of a run a disk that takes nothing for so long is given up. One that writes back what others
+/// have left it stands for half a minute at times.
+pub(crate) const DISK: Duration = Duration::from_secs(60);
 /// Between two looks at it.
 const POLL: Duration = Duration::from_millis(1);
 
