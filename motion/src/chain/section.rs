@@ -53,13 +53,12 @@ impl Section {
     /// The feed that an override can make of it: what is joined must not depend on one that happens to be 0.
     /// The spindle counts as long as it turns.
     fn highest(&self, ratios: &Ratios) -> f64 {
-        match self.feed {
-            Feed::PerSecond(feed) => (MOST_RATIO * feed).min(self.limits.v),
-            Feed::PerRevolution(feed, _) if ratios.turns > 0.0 => {
-                (MOST_RATIO * ratios.turns * feed).min(self.limits.v)
-            }
-            _ => self.limits.v,
-        }
+        let asked = match self.feed {
+            Feed::PerRevolution(feed, _) if ratios.turns > 0.0 => MOST_RATIO * ratios.turns * feed,
+            Feed::PerSecond(feed) => MOST_RATIO * feed,
+            _ => f64::INFINITY,
+        };
+        asked.min(self.limits.v)
     }
 
     /// It and the next one as one.
@@ -94,9 +93,8 @@ pub(super) fn joins(last: &Section, zone: &Section, ratios: &Ratios) -> bool {
     if !last.goes_on(zone) || blind && last.feed != zone.feed {
         return false;
     }
-    let low = last.highest(ratios).min(zone.highest(ratios));
     let (a, b) = (last.highest(ratios), zone.highest(ratios));
-    let high = a.max(b);
+    let (low, high) = (a.min(b), a.max(b));
     if high <= low * (1.0 + ALIKE) {
         // Alike in feed. A long stretch with room for ramps is not tied to tighter limits than its own.
         let own = [last.loosest, zone.limits.up_to(low)];
