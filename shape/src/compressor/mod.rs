@@ -224,9 +224,7 @@ impl<T> Compressor<T> {
     /// The lines that wait, behind which the next one turns by `ahead`.
     fn take(&mut self, ahead: f64, out: &mut impl FnMut(Course<'_, T>)) {
         let [behind, turn] = self.turns;
-        let way = |from: Vector, to: &Vector| norm(&less(to, &from));
-        let mut from = self.lines.last();
-        let length = self.next.iter().map(|(to, ..)| way(core::mem::replace(&mut from, *to), to)).sum();
+        let length = self.next.last().map_or(0.0, |(end, ..)| norm(&less(end, &self.lines.last())));
         let shorter = self.before.min(length);
         let tight = turn * shorter / self.within(turn, [self.before, length]);
         let alone = tight > TIGHT && turn > ALONE * behind.max(ahead);
