@@ -183,10 +183,7 @@ fn words(record: &Record, tool_name: &str) -> (&'static str, String) {
     if panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT) {
         return said("stopping", "comes to rest; the program ends".into());
     }
-    if machine.state() == MachineState::ToolChange {
-        return said("tool-change", tool_in_words(machine.tool, tool_name));
-    }
-    if panel.pressed(Panel::FEED_HOLD) {
+    if panel.pressed(Panel::FEED_HOLD) && machine.state() != MachineState::ToolChange {
         return match (in_pass, moves) {
             (true, _) => {
                 said("holding", format!("hold is pressed; pass {pass} goes on as the machine file says"))
