@@ -6,7 +6,10 @@
 use std::{
     collections::VecDeque,
     io::{ErrorKind, Read as _, Write as _},
-    os::unix::net::UnixStream,
+    os::{
+        fd::{AsFd as _, BorrowedFd},
+        unix::net::UnixStream,
+    },
 };
 
 use crate::wire::{FromPanel, ToPanel};
@@ -143,6 +146,11 @@ impl Link {
             }
             _ => self.dropped += 1,
         }
+    }
+
+    /// What can be read as soon as somebody presses something; nothing if nobody will.
+    pub fn waits(&self) -> Option<BorrowedFd<'_>> {
+        (!self.broken).then(|| self.stream.as_fd())
     }
 
     /// The next press, if one has come. What is none breaks the link.

@@ -65,6 +65,10 @@ impl Live {
                 let table = hand.table(self.tables.files());
                 self.shows_tables(tables::shown(Ok(table)));
                 self.mode = if jogs { Mode::Jog } else { Mode::Mdi };
+                // Whoever has the answer sees no machine that waits any more.
+                let mut shown = Map::new();
+                self.shows_hand(&mut shown);
+                self.web.link.answer(&ToPanel::Set(shown));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The panel of a machine, as the launcher has it. In: every control cycle, presses. Out: what is shown,
 //! requests for the machine, answers. It never waits for anybody.
 
-use std::{path::Path, time::Duration};
+use std::{os::fd::BorrowedFd, path::Path, time::Duration};
 
 use ::panel::{HandAsked, MachineSeen, Point, ProgramSeen, ToPanel};
 use process::ipc::time::Moment;
@@ -247,6 +247,11 @@ impl Live {
         if !self.stale && !more.is_empty() && link.is_free() && link.offer(&ToPanel::Trail(more.to_vec())) {
             self.told = self.trail.len();
         }
+    }
+
+    /// What can be read as soon as somebody presses something.
+    pub(crate) fn waits(&self) -> Option<BorrowedFd<'_>> {
+        self.web.link.waits()
     }
 
     /// Looks after the panel, and takes what was pressed: machine code by hand, and what is to be sent to the

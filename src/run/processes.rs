@@ -156,7 +156,10 @@ impl Launch<'_> {
             }
             if news == 0 && !recorded {
                 let nap = if self.supervisor.is_watching() { NAP } else { SHORT_NAP };
-                self.space.launcher().wait_at_most(nap)?;
+                match self.live.as_ref().and_then(|live| live.waits()) {
+                    Some(press) => self.space.launcher().wait_beside(press, nap)?,
+                    None => self.space.launcher().wait_at_most(nap)?,
+                }
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! A process inside a name space.
 
-use std::time::Duration;
+use std::{os::fd::BorrowedFd, time::Duration};
 
 use iceoryx2::prelude::{LogLevel, NodeBuilder, SignalHandlingMode, ipc};
 
@@ -139,6 +139,14 @@ impl Member {
     /// [`IpcError::Bus`] if the event is broken.
     pub fn wait_at_most(&mut self, limit: Duration) -> Result<(), IpcError> {
         self.ear.wait_at_most(limit)
+    }
+
+    /// The same, and no longer than until something can be read here.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the event is broken.
+    pub fn wait_beside(&mut self, beside: BorrowedFd, limit: Duration) -> Result<(), IpcError> {
+        self.ear.wait_beside(beside, limit)
     }
 
     /// Hears what there is to hear, without sleeping.

@@ -10,12 +10,19 @@
 //! A listener whose sleep ends by itself finds what was noted. The limit costs nothing, and decides nothing
 //! but how long such a rare case takes.
 
-use std::time::Duration;
+use std::{
+    os::fd::{AsRawFd as _, BorrowedFd},
+    time::Duration,
+};
 
 use iceoryx2::{
     port::{listener::Listener, notifier::Notifier},
-    prelude::{EventActivation, EventId, ipc},
+    prelude::{CallbackProgression, EventActivation, EventId, SignalHandlingMode, WaitSetBuilder, ipc},
     service::port_factory::{PortFactory as _, event::PortFactory},
+};
+use iceoryx2_bb_posix::{
+    file_descriptor::{FileDescriptor, FileDescriptorBased},
+    file_descriptor_set::SynchronousMultiplexing,
 };
 
 use super::{
@@ -140,6 +147,18 @@ impl Heard {
     }
 }
 
+/// Something beside its event that a process waits for.
+#[derive(Debug)]
+struct Beside(FileDescriptor);
+
+impl FileDescriptorBased for Beside {
+    fn file_descriptor(&self) -> &FileDescriptor {
+        &self.0
+    }
+}
+
+impl SynchronousMultiplexing for Beside {}
+
 /// The ear of a process.
 #[derive(Debug)]
 pub(crate) struct Ear {
@@ -163,6 +182,24 @@ impl Ear {
     /// The same with a limit, which the operating system may stretch by ten milliseconds and more.
     pub(crate) fn wait_at_most(&mut self, limit: Duration) -> Result<(), IpcError> {
         self.listen(|listener, note| listener.timed_wait(note, limit))
+    }
+
+    /// The same, and no longer than until something can be read here, or its other end is closed. Where the
+    /// system cannot wait for both, it is the plain wait.
+    pub(crate) fn wait_beside(&mut self, beside: BorrowedFd, limit: Duration) -> Result<(), IpcError> {
+        if self.waits_for_both(beside, limit) { self.look() } else { self.wait_at_most(limit) }
+    }
+
+    /// Waits, and says whether it could.
+    fn waits_for_both(&self, beside: BorrowedFd, limit: Duration) -> bool {
+        let set = WaitSetBuilder::new().signal_handling_mode(SignalHandlingMode::Disabled);
+        let Ok(set) = set.create::<ipc::Service>() else { return false };
+        let Some(beside) = FileDescriptor::non_owning_new(beside.as_raw_fd()).map(Beside) else {
+            return false;
+        };
+        let (own, other) = (set.attach_notification(&self.listener), set.attach_notification(&beside));
+        let waits = own.is_ok() && other.is_ok();
+        waits && set.wait_and_process_once_with_timeout(|_| CallbackProgression::Continue, limit).is_ok()
     }
 
     /// Takes what has been heard, without sleeping.

@@ -304,13 +304,14 @@ impl Ports {
         Ok(all)
     }
 
-    /// What the operator asks for in this cycle.
+    /// What the operator asks for in this cycle. Whoever has passed it on waits to hear that.
     fn request(&mut self, now: u64, refused: &mut u64) -> Result<Option<Request>, ShellError> {
         let Some(packet) = self.operator.receive()? else { return Ok(None) };
         if packet.value != 0.0 {
             self.notes.tell(now, Input::OperatorValue, Taken::This(packet.value.to_bits()))?;
         }
         self.notes.tell(now, Input::Operator, Taken::This(packet.kind.into()))?;
+        self.recorder.wake()?;
         Ok(understood(&packet, refused))
     }
 

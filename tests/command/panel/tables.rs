@@ -180,7 +180,7 @@ fn an_offset_by_hand_has_its_cycle_acts_on_the_next_block_and_is_repeated() {
     assert_eq!(refused(&panel, "touch-off", json!({ "axis": "X", "value": 40, "tool": 9 })).0, "bad-block");
     assert_eq!(refused(&panel, "offset", json!({ "of": "T3", "set": { "U": 1 } })).0, "bad-offset");
     assert_eq!(fs::read_to_string(place.at("tool.tbl")).expect("a table"), TOOLS, "not yet");
-    panel.turn("mdi", "G0 X80");
+    panel.turn("mdi", "G4 P20");
     let (told, why) = refused(&panel, "offset", json!({ "of": "T3", "set": { "X": 1 } }));
     assert!(told == "not-now" && why.contains("wait for its end"), "{told}: {why}");
     is_ready(&panel);
