@@ -78,6 +78,7 @@ function show(news) {
   if (news.offsets || news.machine) offsets();
   if (news.playback || "time_s" in news && state.playback) player();
   if ("seat" in news) keys();
+  if ("from" in news) begins();
   $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}; ${state.words}` : state.words || "–";
   const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused", "tool-change": "paused" }[state.state];
   document.querySelector(".state").className = "state " + (kind || (["ready", "ended"].includes(state.state) ? "" : "run"));
@@ -162,9 +163,36 @@ function text() {
     const row = document.createElement("div"), label = document.createElement("b");
     label.textContent = at + 1;
     row.append(label, line);
+    row.onclick = () => pick(at + 1);
     pre.append(row);
   });
   mark();
+  pick(0);
+}
+// Where the next start begins: a line is pressed, then chosen, and what is in force there is shown.
+let picked = 0;
+function pick(line) {
+  $("text").querySelector(".picked")?.classList.remove("picked");
+  picked = line === picked ? 0 : line;
+  if (picked) $("text").children[picked - 1].classList.add("picked");
+  begins();
+}
+function begins() {
+  const from = state.from, may = state.seat === me && socket && socket.readyState === 1 && state.mode === "off";
+  $("from-here").hidden = !may || !picked;
+  $("from-here").textContent = `Begin at line ${picked}`;
+  $("from").hidden = !from;
+  $("from-start").disabled = !may;
+  document.querySelector("[data-do=start]").textContent = from && state.mode === "off" ? `Start at line ${from.from}` : "Start";
+  if (!from) return;
+  const first = from.line === from.from ? "" : `, the first move is that of line ${from.line}`, variables = Object.entries(from.variables);
+  $("from-line").textContent = `${state.mode === "off" ? "Start begins" : "Begun"} at line ${from.from}${first}${from.pass ? `, with pass ${from.pass}, whole` : ""}`;
+  const zero = Object.entries(from.zero_mm).filter(([, mm]) => mm !== null).map(([axis, mm]) => `${axis.toUpperCase()} ${number(mm, 3)}`).join(" ");
+  const told = [from.words, from.in_force, `zero of system ${from.system}: ${zero} of the machine`, ...from.way.map((move) => "way " + move)];
+  if (variables.length) told.push(variables.slice(0, 12).map(([name, value]) => `${name} = ${value}`).join(", ") + (variables.length > 12 ? ` and ${variables.length - 12} more` : ""));
+  if (from.in_loop) told.push("the line is in a loop: it begins in its first turn");
+  told.push(...from.not_known.map((what) => "nobody knows " + what));
+  $("from-told").replaceChildren(...told.map((text) => { const item = document.createElement("li"); item.textContent = text; return item; }));
 }
 function mark() {
   const pre = $("text"), row = pre.children[state.line - 1];
@@ -207,6 +235,7 @@ function hands() {
   for (const key of document.querySelectorAll("#offset button")) key.disabled = !ready && !(may && state.mode === "off");
   // A key that is held down stays one.
   for (const key of document.querySelectorAll("#jogs button")) key.disabled = !ready && jogging !== key;
+  begins();
 }
 let jogging = null, beats = null;
 function jogs() {
@@ -433,6 +462,8 @@ $("offset-add").onclick = () => setOffset("add");
 $("offset-of").onchange = chosen;
 $("turn").onsubmit = (event) => { event.preventDefault(); press("spindle", Number($("turn-rpm").value)); };
 $("tool-in").onclick = () => press("tool-change", state.tool);
+$("from-here").onclick = () => press("from", picked);
+$("from-start").onclick = () => press("from");
 $("turn-stop").onclick = () => press("spindle", 0);
 window.onblur = letGo;
 $("single").onchange = (event) => press("single-block", event.target.checked);

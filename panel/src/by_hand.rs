@@ -113,6 +113,17 @@ pub(crate) fn tool_in(value: &Value) -> Read {
     }
 }
 
+/// The next start begins at a line, or at the beginning.
+pub(crate) fn from(value: &Value) -> Read {
+    let line = value.as_u64().and_then(|line| u32::try_from(line).ok()).filter(|line| *line > 0);
+    match line {
+        None if !value.is_null() => {
+            Err("value is a line of the program, from 1; without one it is the beginning")
+        }
+        line => Ok(HandAsked::From(line)),
+    }
+}
+
 /// A recording is played at a speed.
 pub(crate) fn play(value: &Value) -> Read {
     match value.as_f64() {

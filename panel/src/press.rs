@@ -31,7 +31,7 @@ pub enum Does {
 }
 
 /// Every word, in the order of the documentation.
-pub const DOES: [(&str, Does); 25] = [
+pub const DOES: [(&str, Does); 26] = [
     ("start", Does::Button(Request::CycleStart)),
     ("hold", Does::Button(Request::FeedHold)),
     ("stop", Does::Button(Request::Stop)),
@@ -57,6 +57,7 @@ pub const DOES: [(&str, Does); 25] = [
     ("seek", Does::Hand(by_hand::seek)),
     ("home", Does::Hand(by_hand::home)),
     ("tool-change", Does::Hand(by_hand::tool_in)),
+    ("from", Does::Hand(by_hand::from)),
 ];
 
 /// Why something is not done.
@@ -189,6 +190,7 @@ mod tests {
                     "offset" => ",\"value\":{\"of\":\"T3\",\"add\":{\"X\":-0.025}}",
                     "spindle" => ",\"value\":-300",
                     "home" => ",\"value\":\"Z\"",
+                    "from" => ",\"value\":28",
                     "tool-change" => ",\"value\":3",
                     "play" => ",\"value\":0.5",
                     "step" => ",\"value\":100",
@@ -209,6 +211,7 @@ mod tests {
                         "jog" => HandAsked::Jog { axis: "Z".into(), positive: false, mm_min: 5.0 },
                         "jog-on" => HandAsked::JogOn,
                         "home" => HandAsked::Home("Z".into()),
+                        "from" => HandAsked::From(Some(28)),
                         "tool-change" => HandAsked::ToolIn(3),
                         "play" => HandAsked::Play(Play::Speed(0.5)),
                         "step" => HandAsked::Play(Play::Step(100)),
@@ -268,6 +271,8 @@ mod tests {
                 "bad-value",
             ),
             ("{\"id\":1,\"do\":\"home\",\"as\":\"me\"}", "bad-value"),
+            ("{\"id\":1,\"do\":\"from\",\"as\":\"me\",\"value\":0}", "bad-value"),
+            ("{\"id\":1,\"do\":\"from\",\"as\":\"me\",\"value\":\"28\"}", "bad-value"),
             ("{\"id\":1,\"do\":\"tool-change\",\"as\":\"me\"}", "bad-value"),
             ("{\"id\":1,\"do\":\"tool-change\",\"as\":\"me\",\"value\":-3}", "bad-value"),
             ("{\"id\":1,\"do\":\"play\",\"as\":\"me\",\"value\":-1}", "bad-value"),

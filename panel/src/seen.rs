@@ -8,8 +8,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// Fields that are shown beside those of [`Seen`].
-const BESIDE: [&str; 9] =
-    ["signals", "machine", "program", "mode", "recording", "by_hand", "offsets", "way", "outcome"];
+const BESIDE: [&str; 10] =
+    ["signals", "machine", "program", "mode", "recording", "by_hand", "offsets", "way", "outcome", "from"];
 
 /// Every field that is shown of a machine, null: nothing is known yet.
 pub(crate) fn nothing() -> Map<String, Value> {

@@ -101,6 +101,8 @@ pub enum HandAsked {
     },
     /// The tool of this number is in; 0: none is.
     ToolIn(u32),
+    /// The next start begins at this line of the program; nothing: at its beginning.
+    From(Option<u32>),
     /// A recording is played.
     Play(Play),
     /// The spindle turns at this speed, 1/min; negative counterclockwise, 0 not at all.

@@ -35,6 +35,7 @@ impl Live {
             HandAsked::JogOn => Press::JogOn,
             HandAsked::Offset { .. } => Press::Table,
             HandAsked::Play(_) => Press::Play,
+            HandAsked::From(_) => Press::From,
             HandAsked::ToolIn(number) => return self.takes_tool(ticket, *number, requests),
             _ => Press::Block,
         };

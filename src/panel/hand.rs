@@ -154,7 +154,11 @@ impl Hand {
                 }
                 self.jog(&at, (axis, target), feed(*mm_min, fastest_jog(config))?, true)
             }
-            HandAsked::On | HandAsked::JogOn | HandAsked::Play(_) | HandAsked::ToolIn(_) => {
+            HandAsked::On
+            | HandAsked::JogOn
+            | HandAsked::Play(_)
+            | HandAsked::ToolIn(_)
+            | HandAsked::From(_) => {
                 return Err("this is no block".into());
             }
         };

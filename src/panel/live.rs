@@ -3,7 +3,7 @@
 
 use std::{os::fd::BorrowedFd, path::Path, time::Duration};
 
-use ::panel::{HandAsked, MachineSeen, Point, ProgramSeen, ToPanel};
+use ::panel::{MachineSeen, Point, ProgramSeen, ToPanel};
 use process::ipc::time::Moment;
 use protocol::{Arrival, Input, Item, Taken, operator::Request};
 use rig::observe::{Observer, Record, Summary};
@@ -286,45 +286,6 @@ impl Live {
         (items, requests)
     }
 
-    /// What somebody wants while nothing runs: start with a program that is loaded, work by hand, or nothing;
-    /// everything else is refused.
-    pub(crate) fn wish(&mut self, loaded: bool) -> Option<Press> {
-        self.look();
-        self.mode = Mode::Off;
-        while let Some(press) = self.web.link.press() {
-            let start = press.kind == protocol::OperatorRequest::pack(0, Request::CycleStart).kind;
-            let wish = match &press.hand {
-                Some(HandAsked::On) => Press::Hand,
-                Some(HandAsked::JogOn) => Press::JogOn,
-                Some(HandAsked::Offset { .. }) => Press::Table,
-                Some(HandAsked::Play(_)) => Press::Play,
-                Some(HandAsked::ToolIn(_)) => Press::Tool,
-                Some(_) => Press::Block,
-                None if start => Press::Start,
-                None => Press::Always,
-            };
-            if let (Press::Table, Some(HandAsked::Offset { of, words, add })) = (wish, &press.hand) {
-                self.sets_when_off(press.ticket, of, words, *add);
-                continue;
-            }
-            match (self.mode.refuses(wish), wish) {
-                (Some(why), _) => self.refuse(press.ticket, "not-running", why),
-                (None, Press::Start) if !loaded => {
-                    self.refuse(
-                        press.ticket,
-                        "not-running",
-                        "no program is loaded: by-hand works without one",
-                    );
-                }
-                (None, wish) => {
-                    self.web.link.answer(&ToPanel::Taken { ticket: press.ticket, cycle: 0 });
-                    return Some(wish);
-                }
-            }
-        }
-        None
-    }
-
     pub(super) fn refuse(&mut self, ticket: u64, code: &str, why: &str) {
         let (code, why) = (code.to_owned(), why.to_owned());
         self.web.link.answer(&ToPanel::Refused { ticket, code, why });
@@ -365,7 +326,7 @@ impl Live {
         let last = std::mem::take(&mut self.last).into_iter();
         self.still.extend(last.filter(|(name, _)| name != "state" && name != "words"));
         self.stands(fields(
-            &json!({ "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null }),
+            &json!({ "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null, "from": null }),
         ));
         self.look();
         let path = folder.join(PRESSES);

@@ -16,6 +16,7 @@ mod tables;
 mod tool;
 mod view;
 mod web;
+mod wish;
 
 use std::{
     fs::File,
@@ -54,6 +55,7 @@ use crate::{
 use scope::Rows;
 use tables::Tables;
 use web::Web;
+use wish::{Begins, Wish};
 
 /// Between two looks while nothing runs.
 const IDLE: Duration = Duration::from_millis(20);
@@ -69,6 +71,16 @@ impl Live {
             words::say(&format!("panel: {url}#{token}\n"));
         }
         Ok(Live::new(web, args.with_panel, Tables::of(args)?))
+    }
+
+    /// Shows the machine and the program that are there before anything runs.
+    fn loads(&mut self, asked: &RunArgs, program: Option<&PathBuf>, name: &str) {
+        let pace = asked.pace.unwrap_or(Pace::ONE);
+        self.stands(fields(&json!({ "machine": machine_seen(self.tables.machine(), pace) })));
+        if let Some(program) = program {
+            let shown = json!({ "program": { "name": name, "text": intake::text(program, MOST_TEXT).ok() } });
+            self.stands(fields(&shown));
+        }
     }
 
     /// Shows a run that is about to begin.
@@ -102,7 +114,8 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     let loaded = asked.program.as_os_str() != args::BY_HAND;
     let empty = Empty::new(asked)?;
     let by_hand = RunArgs { program: empty.path.clone(), by_hand: true, ..asked.clone() };
-    let program = run::judged(if loaded { asked } else { &by_hand })?;
+    let (program, _) = run::judged(if loaded { asked } else { &by_hand })?;
+    let mut begins = Begins::at(asked, asked.from)?;
     let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut interrupts = Some(Interrupts::catch()?);
     let mut live = Live::open(asked, quiet)?;
@@ -112,30 +125,33 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
         "switch it on, to work by hand".into()
     };
     let mut said = hint.clone();
-    let machine = json!({ "machine": machine_seen(live.tables.machine(), asked.pace.unwrap_or(Pace::ONE)) });
-    live.stands(fields(&machine));
-    if loaded {
-        let shown = json!({ "program": { "name": name, "text": intake::text(&program, MOST_TEXT).ok() } });
-        live.stands(fields(&shown));
-    }
+    live.loads(asked, loaded.then_some(&program), &name);
     loop {
         live.shows_tables(live.tables.kept());
+        live.shows_begins(&begins);
         let ready = json!({ "state": "ready", "mode": "off", "words": said });
         live.stands(fields(&ready));
         let wish = loop {
-            if let Some(wish) = live.wish(loaded) {
-                break wish;
+            match live.wish(loaded) {
+                Some(Wish::From(ticket, line)) => live.chooses(ticket, asked, line, &mut begins),
+                Some(wish) => break wish,
+                None => {}
             }
             if interrupts.as_mut().is_some_and(Interrupts::is_wished) {
                 return Ok(ExitCode::SUCCESS);
             }
             sleep_until(Moment::now().after(IDLE));
         };
-        let wanted = if wish == mode::Press::Hand { &by_hand } else { asked };
-        let begun = Prepared::of(wanted, quiet, &mut interrupts);
-        let ended = begun.and_then(|prepared| prepared.go(quiet, &mut interrupts, Some(&mut live)));
+        let ended = if wish == Wish::Hand {
+            one_run(&by_hand, quiet, &mut interrupts, &mut live)
+        } else {
+            // The start behind this one begins at the beginning.
+            let from = std::mem::take(&mut begins);
+            let begun = RunArgs { from: from.line, ..asked.clone() };
+            from.is_as_shown(asked).and_then(|()| one_run(&begun, quiet, &mut interrupts, &mut live))
+        };
         said = match ended {
-            Ok(_) => hint.clone(),
+            Ok(()) => hint.clone(),
             Err(error) => {
                 words::say(&format!("error: {error}\n"));
                 format!("it was not run: {error}")
@@ -143,6 +159,17 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
         };
         interrupts.iter_mut().for_each(Interrupts::forget);
     }
+}
+
+/// One run, from its beginning to its end.
+fn one_run(
+    asked: &RunArgs,
+    quiet: bool,
+    interrupts: &mut Option<Interrupts>,
+    live: &mut Live,
+) -> Result<(), CliError> {
+    let prepared = Prepared::of(asked, quiet, interrupts)?;
+    prepared.go(quiet, interrupts, Some(live)).map(drop)
 }
 
 /// The program of work by hand before anything is given: it waits. It lies in a folder of its own, which goes

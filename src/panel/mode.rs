@@ -61,6 +61,8 @@ pub(crate) enum Press {
     Play,
     /// A tool is said to be in.
     Tool,
+    /// It is said where the next start begins.
+    From,
 }
 
 impl Mode {
@@ -120,7 +122,7 @@ impl Mode {
             (Playback, Press::Play) => None,
             (Playback, _) => Some("this is a recording: no key does anything but play, step and seek"),
             (_, Press::Play) => Some("this is no recording: pitchlock panel RUN_DIR plays one"),
-            (Off, Press::Start | Press::Hand | Press::Table) => None,
+            (Off, Press::Start | Press::Hand | Press::Table | Press::From) => None,
             (Ready, Press::Block | Press::Table) | (Jog, Press::JogOn) | (ToolChange, Press::Tool) => None,
             (Off, Press::Block) => Some("the machine is off: by-hand switches it on for work by hand"),
             (Off, _) => Some("no program runs; start starts it"),
@@ -130,6 +132,7 @@ impl Mode {
             (Stopping, Press::Start | Press::Block | Press::Table) => {
                 Some("the machine comes to rest, and goes off")
             }
+            (_, Press::From) => Some("the machine is on: where a start begins is said while it is off"),
             (_, Press::Tool) => Some("no tool is waited for"),
             (ToolChange, Press::Start) => Some("a tool is waited for: tool-change says that it is in"),
             (ToolChange, Press::Block | Press::Table) => Some("a tool is waited for: wait for its end"),
@@ -167,6 +170,7 @@ mod tests {
             ("offset", Press::Table),
             ("play, step, seek", Press::Play),
             ("tool-change", Press::Tool),
+            ("from", Press::From),
             ("all others", Press::Always),
         ];
         for (name, press) in presses {

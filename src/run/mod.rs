@@ -36,6 +36,7 @@ use process::{
 };
 use rig::journal::{Keeper, Origin};
 use rig::observe::{Outcome, Summary};
+use serde_json::Value;
 
 use crate::{
     args::Shop,
@@ -140,17 +141,19 @@ fn repeatable(asked: &RunArgs) -> Result<RunArgs, CliError> {
     folder::repeated(asked)
 }
 
-/// Reads all that a run is made of and runs nothing: its program.
-pub(crate) fn judged(asked: &RunArgs) -> Result<PathBuf, CliError> {
+/// Reads all that a run is made of and runs nothing: its program, and where that is begun at a line, what
+/// is in force there.
+pub(crate) fn judged(asked: &RunArgs) -> Result<(PathBuf, Value), CliError> {
     let mut args = repeatable(asked)?;
     let Shop { machine, language, .. } = args.machine.with_language(&args.language)?;
     args.language = language;
     args.language.from = asked.from.or(args.language.from);
     args.with_panel = true;
-    Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
+    let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
     let (scenario, _) = read_scenario(&args, &machine)?;
     can_be_played(&scenario, &args)?;
-    Ok(args.program)
+    let begun = program.entry.as_ref().map_or(Value::Null, |entry| entered::as_json(entry, &machine));
+    Ok((args.program, begun))
 }
 
 /// All that a run is made of, read and judged. Nothing is written yet.

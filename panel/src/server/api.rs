@@ -67,7 +67,9 @@ async fn ask(State(house): State<Arc<House>>, headers: HeaderMap, body: Bytes) -
     let answer = house.ask(&body).await;
     let status = match answer["refused"].as_str() {
         None => StatusCode::OK,
-        Some("bad-request" | "bad-value" | "bad-block" | "bad-offset" | "unknown") => StatusCode::BAD_REQUEST,
+        Some("bad-request" | "bad-value" | "bad-block" | "bad-offset" | "bad-line" | "unknown") => {
+            StatusCode::BAD_REQUEST
+        }
         Some("no-answer") => StatusCode::GATEWAY_TIMEOUT,
         Some("too-many") => StatusCode::TOO_MANY_REQUESTS,
         Some(_) => StatusCode::CONFLICT,

@@ -207,7 +207,8 @@ impl House {
 
 /// The codes that launchers refuse by.
 fn known(code: &str) -> &'static str {
-    const CODES: [&str; 6] = ["not-running", "too-many", "not-now", "bad-value", "bad-block", "bad-offset"];
+    const CODES: [&str; 7] =
+        ["not-running", "too-many", "not-now", "bad-value", "bad-block", "bad-offset", "bad-line"];
     CODES.into_iter().find(|known| *known == code).unwrap_or("refused")
 }
 

@@ -96,7 +96,7 @@ impl Browser {
     }
 
     /// Presses a button.
-    fn click(&mut self, selector: &str) {
+    pub(super) fn click(&mut self, selector: &str) {
         self.value(&format!("document.querySelector(\"{selector}\").click()"));
     }
 
@@ -106,7 +106,7 @@ impl Browser {
     }
 
     /// Keeps a picture where `PITCHLOCK_PICTURES` names a folder.
-    fn picture(&mut self, name: &str) {
+    pub(super) fn picture(&mut self, name: &str) {
         let Some(folder) = std::env::var_os("PITCHLOCK_PICTURES") else { return };
         let answer = self.tell("Page.captureScreenshot", &json!({ "captureBeyondViewport": true }));
         let text = answer["result"]["data"].as_str().expect("a picture");
@@ -128,7 +128,7 @@ fn get(address: &str, path: &str) -> (u16, String) {
 }
 
 /// Nothing is wider than the window.
-const FITS: &str = "document.documentElement.scrollWidth <= window.innerWidth";
+pub(super) const FITS: &str = "document.documentElement.scrollWidth <= window.innerWidth";
 
 #[test]
 fn a_browser_shows_the_machine_and_presses() {

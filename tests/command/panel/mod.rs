@@ -5,6 +5,7 @@ mod browser;
 mod by_hand;
 mod client;
 mod figures;
+mod from;
 mod hostile;
 mod playback;
 mod scope;
