@@ -8,6 +8,8 @@ use crate::run::RunArgs;
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock panel examples/m20x2.ngc              loads the program; start, and start again, from the page
+  pitchlock panel examples/m20x2.ngc --terminal   the same in this terminal, with keys, as by ssh
+  pitchlock panel --join                          in this terminal a panel that others have started
   pitchlock panel                                 without a program: jog, and give blocks by hand
   pitchlock panel part.ngc --machine my-lathe.toml --pace 0.2
   pitchlock panel runs/part-1                     plays a run that is over: pause, step, speed
@@ -53,6 +55,16 @@ pub(crate) const BY_HAND: &str = "by-hand.mc";
 pub(crate) struct PanelCommandArgs {
     #[command(flatten)]
     pub(crate) run: RunArgs,
+    /// Show the panel in this terminal, with keys, as by ssh; it ends with the terminal.
+    #[arg(long)]
+    pub(crate) terminal: bool,
+    /// Show a panel that others have started in this terminal. Its address with the secret is asked for, or
+    /// taken from PITCHLOCK_PANEL.
+    #[arg(long, conflicts_with = "terminal")]
+    pub(crate) join: bool,
+    /// As a terminal starts it.
+    #[arg(long, hide = true)]
+    pub(crate) led: bool,
 }
 
 impl RunArgs {
@@ -60,7 +72,7 @@ impl RunArgs {
     pub(super) fn says_more_than_of_panels(&self) -> bool {
         let command = PanelCommandArgs::augment_args(clap::Command::new("panel").no_binary_name(true));
         let matches = command.try_get_matches_from([&self.program]).ok();
-        let Some(PanelCommandArgs { run }) =
+        let Some(PanelCommandArgs { run, .. }) =
             matches.and_then(|matches| PanelCommandArgs::from_arg_matches(&matches).ok())
         else {
             return true;

@@ -13,6 +13,7 @@ mod playback;
 mod scope;
 mod session;
 mod tables;
+mod terminal;
 mod tool;
 mod view;
 mod web;
@@ -98,6 +99,12 @@ impl Live {
 /// Runs the program as often as somebody starts it.
 pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let asked = &args.run;
+    if args.terminal || args.join {
+        return terminal::terminal(args);
+    }
+    if args.led {
+        terminal::led()?;
+    }
     if asked.with_panel {
         return Err(CliError::Input("--panel is for run; leave it out".into()));
     }

@@ -19,7 +19,7 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 24] = [
+const CRATES: [(&str, &[&str]); 25] = [
     ("intake", &[]),
     ("motion", &[]),
     ("adviser", &[]),
@@ -72,6 +72,7 @@ const CRATES: [(&str, &[&str]); 24] = [
         ],
     ),
     ("panel", &["protocol"]),
+    ("terminal", &[]),
     ("lsp", &["intake", "gcode", "interpreter", "machine"]),
     ("process", &["intake", "machine", "protocol", "interpreter", "interpolator", "regulator", "sim-plant"]),
     ("testing", &[]),

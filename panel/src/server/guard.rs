@@ -112,6 +112,10 @@ pub(crate) async fn guard(
     if response.status() == StatusCode::METHOD_NOT_ALLOWED {
         response.headers_mut().entry(header::ALLOW).or_insert(HeaderValue::from_static("POST"));
     }
+    // Said here and not by the server, which would say it of an upgrade as well: some clients refuse that.
+    if response.status() != StatusCode::SWITCHING_PROTOCOLS {
+        response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+    }
     for (name, value) in HEADERS {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
     }

@@ -11,6 +11,7 @@ mod playback;
 mod scope;
 mod tables;
 mod tasks;
+mod terminal;
 mod tool;
 mod watched;
 mod written_api;

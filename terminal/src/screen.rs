@@ -1,0 +1,71 @@
+//! The terminal that this runs in: taken, drawn on, and given back as it was, also when the program panics.
+
+use std::{
+    io,
+    sync::mpsc::{Receiver, RecvTimeoutError, channel},
+    thread::Builder,
+    time::Duration,
+};
+
+use ratatui::{
+    DefaultTerminal,
+    crossterm::event::{self, Event, KeyEvent},
+};
+
+use crate::{desk::Desk, draw::draw};
+
+/// A terminal that is taken.
+#[derive(Debug)]
+pub struct Screen {
+    terminal: DefaultTerminal,
+    keys: Receiver<KeyEvent>,
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        // One that is gone cannot be given back.
+        let _ = ratatui::try_restore();
+    }
+}
+
+impl Screen {
+    /// Takes the terminal: other screen, no echo, keys one by one. A thread reads them, and ends with the
+    /// process: where a terminal is gone, crossterm reads for ever, and nobody else may be held up by that.
+    ///
+    /// # Errors
+    /// This is no terminal, it is gone, or there is no thread to spare.
+    pub fn take() -> io::Result<Screen> {
+        let (tells, keys) = channel();
+        let screen = Screen { terminal: ratatui::try_init()?, keys };
+        let reads = move || {
+            while let Ok(event) = event::read() {
+                let Event::Key(key) = event else { continue };
+                if tells.send(key).is_err() {
+                    break;
+                }
+            }
+        };
+        Builder::new().name("keys".into()).spawn(reads)?;
+        Ok(screen)
+    }
+
+    /// Draws what has changed, in the size that the terminal has now.
+    ///
+    /// # Errors
+    /// The terminal is gone.
+    pub fn draw(&mut self, desk: &Desk) -> io::Result<()> {
+        self.terminal.draw(|frame| draw(frame, desk)).map(drop)
+    }
+
+    /// The next key, waited for at most so long.
+    ///
+    /// # Errors
+    /// The terminal is gone.
+    pub fn key(&mut self, wait: Duration) -> io::Result<Option<KeyEvent>> {
+        match self.keys.recv_timeout(wait) {
+            Ok(key) => Ok(Some(key)),
+            Err(RecvTimeoutError::Timeout) => Ok(None),
+            Err(RecvTimeoutError::Disconnected) => Err(io::ErrorKind::UnexpectedEof.into()),
+        }
+    }
+}
