@@ -115,6 +115,15 @@ fn figures_of_the_panel() {
     assert_eq!((one.1, other.1), (0, 0), "cycles are missing");
     let url = format!("http://{}/#{}", panel.address, panel.token);
     let Some(mut browser) = Browser::open(&place, &url, 1200) else { return };
+    for when in ["in a browser that has just been started", "opened again"] {
+        println!("first paint {when}: {}", painted(&mut browser));
+        browser.value("window.before = true; location.reload()");
+    }
+}
+
+/// When the page was painted first, and what came before that, ms since it was asked for.
+fn painted(browser: &mut Browser) -> String {
+    until("it is another page", || browser.value("window.before ?? null").is_null());
     browser.until_text("link", "live");
     let paint = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime";
     let mut at = Value::Null;
@@ -122,5 +131,8 @@ fn figures_of_the_panel() {
         at = browser.value(paint);
         at.is_number()
     });
-    println!("first paint: {:.0} ms", at.as_f64().expect("a time"));
+    let step = |name: &str| format!("performance.getEntriesByType('navigation')[0].{name}");
+    let [came, read] = ["responseEnd", "domInteractive"].map(|name| browser.value(&step(name)));
+    let ms = |value: &Value| value.as_f64().expect("a time");
+    format!("{:.0} ms; the page had come at {:.0}, was read at {:.0}", ms(&at), ms(&came), ms(&read))
 }
