@@ -149,9 +149,11 @@ impl<'a> Axes<'a> {
         self.each().filter_map(|(_, status)| Fault::from_code(status.fault)).find(follows)
     }
 
-    /// Whether one of them is in fault, or comes to rest because of one.
+    /// Whether one of them is in fault, or comes to rest because of one, and all speak: who does not tells
+    /// why as soon as it speaks again, or is silent.
     pub(crate) fn in_fault(&self) -> bool {
-        self.each().any(|(_, status)| status.state() == AxisState::Fault || status.fault != 0)
+        let fails = |status: &AxisStatus| status.state() == AxisState::Fault || status.fault != 0;
+        self.each().any(|(_, status)| fails(status)) && self.each().all(|(axis, _)| self.speaks(axis))
     }
 
     /// Whether a drive does not hold its axis. It trips when its regulator says nothing: that one tells why
@@ -159,8 +161,12 @@ impl<'a> Axes<'a> {
     pub(crate) fn drive_off(&self, measurement: &Measurement) -> bool {
         let off =
             |axis: Axis| measurement.axes[axis.index()].drive().state() != Some(DriveState::OperationEnabled);
-        let speaks = |axis: Axis| self.heard.statuses[axis.index()].cycle.after(1) >= self.tick;
-        self.machine.axes().any(|(axis, _)| off(axis) && speaks(axis))
+        self.machine.axes().any(|(axis, _)| off(axis) && self.speaks(axis))
+    }
+
+    /// Whether a regulator has answered the measurement before this tick.
+    fn speaks(&self, axis: Axis) -> bool {
+        self.heard.statuses[axis.index()].cycle.after(1) >= self.tick
     }
 
     /// Whether all follow setpoints.

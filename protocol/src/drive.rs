@@ -91,10 +91,18 @@ impl StatusWord {
     /// Bit of the status word that the standard leaves to the manufacturer (bit 14): the regulator of this
     /// axis asks the others to leave the thread ([`DriveCommand::CALLS`]).
     pub const CALLS: u16 = 1 << 14;
+    /// The other such bit (15): so many commands in a row did not come in time that the drive asks every
+    /// regulator to leave the thread as long as it still has torque.
+    pub const LATE: u16 = 1 << 15;
 
     /// Whether the regulator of this axis asks the others to leave the thread.
     pub fn calls(self) -> bool {
         self.0 & StatusWord::CALLS != 0
+    }
+
+    /// Whether the drive has been without a command for too long to go on.
+    pub fn is_late(self) -> bool {
+        self.0 & StatusWord::LATE != 0
     }
 
     /// The status word of a state, with the voltage-enabled bit.

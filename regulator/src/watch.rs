@@ -3,7 +3,7 @@
 //!
 //! Every regulator looks for itself, so all axes leave a pass in the same cycle and nobody has to be told.
 //! What one axis alone can know (its servo error) the others see in their next measurement: its drive mirrors
-//! the call ([`protocol::DriveCommand::CALLS`]), or is out of operation.
+//! the call ([`protocol::DriveCommand::CALLS`]), is late, or is out of operation.
 //!
 //! ```text
 //! gap      more than two measurements in a row are missing; or more than ten, and a tenth of all
@@ -130,6 +130,7 @@ impl Watch {
         self.lost(known)
             .or_else(|| leave(outside(known)))
             .or_else(|| leave(self.encoders(known)))
+            .or_else(|| leave(self.late(known)))
             .or_else(|| self.servo(known))
             .or_else(|| leave(self.silence(known)))
             .or_else(|| self.in_pass(known))
@@ -142,8 +143,22 @@ impl Watch {
         let dead = matches!(drive, None | Some(DriveState::Fault | DriveState::FaultReaction));
         let off = moving && drive != Some(DriveState::OperationEnabled);
         // A drive trips without commands, and without measurements there were none.
-        let fault = if known.missed > BRIDGED { Fault::MeasurementGap } else { Fault::DriveFault };
+        let fault = match known.measurement.axes[self.axis].drive().is_late() {
+            _ if known.missed > BRIDGED => Fault::MeasurementGap,
+            true => Fault::LateAnswers,
+            false => Fault::DriveFault,
+        };
         (dead || off).then_some(Cause::Lost(fault))
+    }
+
+    /// A drive that has not had its commands in time, before it trips: in timed motion, too, all axes brake
+    /// together.
+    fn late(&self, known: &Known) -> Option<Fault> {
+        let late = |axis: usize| known.measurement.axes[axis].drive().is_late();
+        if late(self.axis) {
+            return Some(Fault::LateAnswers);
+        }
+        (0..AXES).any(|other| self.others[other] && late(other)).then_some(Fault::OtherAxis)
     }
 
     /// What counts and positions say that cannot be.

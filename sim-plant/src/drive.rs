@@ -18,6 +18,14 @@
 //!
 //! A command that no regulator gives trips the drive: numbers that are none, a speed beyond that of the trip,
 //! a torque offset well beyond the limit, the answer to a measurement that was not made yet.
+//!
+//! One that does not come in time is made up for: the one before is held, and an axis that braked brakes on.
+//! With d the velocity offset's change per cycle and n the cycles that the command in force is old,
+//!
+//! ```text
+//! offset = v + n d where v d < 0, not beyond 0, else v                                                (M270)
+//! ```
+//! The third in a row is told in the status word; after `lost_commands` the drive trips.
 
 use core::f64::consts::TAU;
 
@@ -27,8 +35,8 @@ use protocol::{Cycle, DriveCommand, DriveState, StatusWord};
 use crate::config::AxisTrain;
 use crate::drive_state::StateMachine;
 
-/// A command this many cycles old is none: the drive trips.
-const OLDEST_COMMAND: u64 = 3;
+/// A command this many cycles old is told in the status word.
+const LATE: u64 = 3;
 /// Below this measured speed a braking axis stands still, mm/s.
 const STANDSTILL_MM_S: f64 = 1.0;
 /// Largest torque offset that is believed, by the limit: differences of coarsely rounded positions ask for
@@ -54,14 +62,20 @@ pub(crate) struct Drive {
     fading_mm_s: Option<[f64; 2]>,
     braking_step: f64,
     overspeed_mm_s: f64,
+    /// A command so many cycles old trips the drive.
+    lost_commands: u64,
+    /// The newest velocity offset and its cycle, mm/s, and by how much it changes per cycle.
+    newest: (Cycle, f64),
+    change_mm_s: f64,
     integral_nm: f64,
     braking_mm_s: f64,
     calls: bool,
+    late: bool,
     trip: Option<Trip>,
 }
 
 impl Drive {
-    pub(crate) fn new(config: &AxisConfig, train: &AxisTrain, cycle_s: f64) -> Drive {
+    pub(crate) fn new(config: &AxisConfig, train: &AxisTrain, lost_commands: u32, cycle_s: f64) -> Drive {
         // N at the slide per m/s, to N·m at the motor per mm/s.
         let torque_per_force = config.screw_lead_mm * 1e-3 / TAU;
         let gain = config.mass_kg * TAU * config.velocity_bandwidth_hz * torque_per_force * 1e-3;
@@ -73,23 +87,30 @@ impl Drive {
             fading_mm_s: train.fading_mm_s(),
             braking_step: train.quick_stop_mm_s2 * cycle_s,
             overspeed_mm_s: train.overspeed_mm_s,
+            lost_commands: lost_commands.into(),
+            newest: Default::default(),
+            change_mm_s: 0.0,
             integral_nm: 0.0,
             braking_mm_s: 0.0,
             calls: false,
+            late: false,
             trip: None,
         }
     }
 
     /// As it is when it is switched on again: before its first command, without a fault.
     pub(crate) fn switch_on(&mut self) {
-        (self.machine, self.calls, self.trip) = (StateMachine::new(), false, None);
+        (self.machine, self.calls, self.late, self.trip) = (StateMachine::new(), false, false, None);
         (self.integral_nm, self.braking_mm_s) = (0.0, 0.0);
+        (self.newest, self.change_mm_s) = Default::default();
     }
 
-    /// The state, and what the regulator wants the others to see.
+    /// The state, what the regulator wants the others to see, and whether it is late.
     pub(crate) fn status_word(&self) -> StatusWord {
         let StatusWord(word) = StatusWord::of(self.machine.state());
-        StatusWord(if self.calls { word | StatusWord::CALLS } else { word })
+        let calls = if self.calls { StatusWord::CALLS } else { 0 };
+        let late = if self.late { StatusWord::LATE } else { 0 };
+        StatusWord(word | calls | late)
     }
 
     /// Whether the drive follows its regulator.
@@ -111,9 +132,12 @@ impl Drive {
         command: &DriveCommand,
         v_meas: f64,
     ) -> Option<f64> {
-        let v_cmd = command.target_velocity_mm_s + command.velocity_offset_mm_s;
+        let old = now.0.saturating_sub(command.cycle.0.saturating_add(late));
+        let (offset_mm_s, offset_nm) = self.offsets(old, command);
+        let v_cmd = command.target_velocity_mm_s + offset_mm_s;
         let was_powered = self.machine.powered();
-        let late = was_powered && now.0 >= command.cycle.0.saturating_add(OLDEST_COMMAND + late);
+        self.late = was_powered && old >= LATE;
+        let late = was_powered && old >= self.lost_commands;
         let overspeed = was_powered && v_meas.abs() > self.overspeed_mm_s;
         let standstill = !was_powered || (self.braking_mm_s == 0.0 && v_meas.abs() < STANDSTILL_MM_S);
         let tripped = !self.believes(now, command, v_cmd) || late || overspeed;
@@ -129,11 +153,27 @@ impl Drive {
         }
         if self.is_enabled() {
             self.braking_mm_s = v_meas;
-            return Some(self.velocity_loop(v_cmd, v_meas, command.torque_offset_nm));
+            return Some(self.velocity_loop(v_cmd, v_meas, offset_nm));
         }
         let left = self.braking_mm_s.abs() - self.braking_step;
         self.braking_mm_s = if left > 0.0 { left.copysign(self.braking_mm_s) } else { 0.0 };
         Some(self.velocity_loop(self.braking_mm_s, v_meas, 0.0))
+    }
+
+    /// The offsets of a command that is so many cycles old (M270), mm/s and N·m.
+    fn offsets(&mut self, old: u64, command: &DriveCommand) -> (f64, f64) {
+        let (offset_mm_s, (before, before_mm_s)) = (command.velocity_offset_mm_s, self.newest);
+        if command.cycle != before {
+            let cycles = command.cycle.0.abs_diff(before.0) as f64;
+            self.change_mm_s = (offset_mm_s - before_mm_s) / cycles;
+            self.newest = (command.cycle, offset_mm_s);
+        }
+        let braked_mm_s = offset_mm_s + old as f64 * self.change_mm_s;
+        match (self.change_mm_s * offset_mm_s < 0.0, braked_mm_s * offset_mm_s > 0.0) {
+            (false, _) => (offset_mm_s, command.torque_offset_nm),
+            (true, true) => (braked_mm_s, command.torque_offset_nm),
+            (true, false) => (0.0, 0.0),
+        }
     }
 
     /// Whether a regulator could have meant this. Comparisons with what is no number are false.

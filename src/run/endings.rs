@@ -1,16 +1,13 @@
 //! How a run ended, as far as only the launcher knows: who died, what did not come to rest, who broke it off.
 //! What caused a fault is listed before it.
 
-use process::ipc::{ChannelCount, Process};
+use process::ipc::Process;
 use protocol::{Fault, operator::Request};
 use rig::{
     observe::{FaultReport, Outcome, Summary},
     standstill::WAIT_S,
     supervisor::{End, Supervisor},
 };
-
-/// Late answers in a row at which a drive trips.
-const TRIPS: u64 = 3;
 
 /// A process that has died.
 #[derive(Clone, Debug)]
@@ -39,8 +36,6 @@ pub(crate) struct Endings {
     broken_off: bool,
     /// In which cycle a run was stopped that waited for nobody, and what it waited for.
     unattended: Option<(u64, &'static str)>,
-    /// Regulators that were late so often in a row that their drives tripped, and how often they were late.
-    late: Vec<(String, u64)>,
 }
 
 impl Endings {
@@ -79,31 +74,8 @@ impl Endings {
         Some(Request::Stop)
     }
 
-    /// What was counted of late answers.
-    pub(crate) fn late(&mut self, counts: &[ChannelCount]) {
-        for count in counts.iter().filter(|count| count.late_in_row >= TRIPS) {
-            if let Some(axis) = count.name.strip_prefix("drive-command/") {
-                self.late.push((format!("regulator-{axis}"), count.late));
-            }
-        }
-    }
-
     /// Writes all of it into the summary of the run.
     pub(crate) fn tell(&self, summary: &mut Summary) {
-        for (regulator, late) in &self.late {
-            let faults = &mut summary.faults;
-            let trips = |fault: &FaultReport| fault.source == *regulator && fault.code == "drive-fault";
-            // Without a trip they were late when it did not matter: before the start, or at rest.
-            if let Some(index) = faults.iter().position(trips)
-                && !self.deaths.iter().any(|death| death.process.name() == *regulator)
-            {
-                let text = format!(
-                    "the third late answer of {regulator} in a row: its drive tripped. The computer was too slow ({late} late answers of it in all): more priority, a longer cycle_s, `pitchlock doctor`"
-                );
-                let (cycle, source) = (faults[index].cycle, regulator.clone());
-                faults.insert(index, FaultReport { cycle, source, code: "late-answers".into(), text });
-            }
-        }
         // A program that came to its end, or was stopped, has missed nobody who died meanwhile.
         let harmless = |death: &&Death| {
             death.over || death.process == Process::Interpreter && summary.outcome != Outcome::Faulted

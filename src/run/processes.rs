@@ -358,7 +358,6 @@ impl Launch<'_> {
         }
         self.started.iter_mut().for_each(Started::end);
         let counts = of_the_living(total(counts), &axes(&self.setup.machine), &dead);
-        self.endings.late(&counts);
         Ok(counts.into_iter().map(channel).collect())
     }
 

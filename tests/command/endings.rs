@@ -180,14 +180,15 @@ fn a_plant_that_died_is_named_though_a_signal_comes_then() {
     assert!(hung.into_iter().any(|one| one.code == "process-frozen"), "the interpreter is named as well");
 }
 
-/// In real time a computer that is too busy trips drives by itself: one of so many attempts is to be quiet.
+/// In real time a computer that is too busy stops the machine by itself: one of so many attempts is to be
+/// quiet.
 pub(crate) const ATTEMPTS: usize = 6;
 
 /// What is told of somebody who was late.
 const LATE: [&str; 5] =
     ["late-answers", "measurement-gap", "regulator-silent", "interpolator-silent", "stream-starved"];
 
-/// Whether somebody was so late that a drive tripped, or that others took him for dead.
+/// Whether somebody was so late that the machine stopped, or that others took him for dead.
 pub(crate) fn was_busy(summary: &Summary) -> bool {
     summary.faults.iter().any(|fault| LATE.contains(&fault.code.as_str()))
 }
@@ -254,13 +255,18 @@ fn who_is_frozen_for_a_while_thaws_and_who_is_frozen_for_a_second_is_killed() {
         place.ask(&[&arguments[..], more].concat())
     };
     let of = |answer: &Answer| serde_json::from_str::<Summary>(&answer.stdout).expect("a summary");
-    // Two late answers, the drive does not trip at.
+    // Two late answers are bridged.
     let short = of(&run("freeze = { process = \"regulator-x\", for_s = 0.001 }", &["--in-process"]));
     assert!(!short.faults.iter().any(|fault| fault.code == "process-frozen"), "{:?}", short.faults);
-    // Longer, and it is the drive that trips.
-    let long = of(&run("freeze = { process = \"regulator-x\", for_s = 0.002 }", &["--in-process"]));
-    assert!(codes(&long).contains(&("regulator-x", "drive-fault")), "{:?}", long.faults);
-    assert!(!long.faults.iter().any(|fault| fault.code == "process-frozen"), "{:?}", long.faults);
+    // Longer, and the thread is left; much longer, and the drive trips: the cause is the same.
+    for for_s in [0.002, 0.02] {
+        let freeze = format!("freeze = {{ process = \"regulator-x\", for_s = {for_s} }}");
+        let long = of(&run(&freeze, &["--in-process"]));
+        assert!(codes(&long).contains(&("regulator-x", "late-answers")), "{:?}", long.faults);
+        let stays = long.warnings.iter().any(|warning| warning.code == "tool-in-thread");
+        assert_eq!(stays, for_s == 0.02, "{:?}", long.warnings);
+        assert!(!long.faults.iter().any(|fault| fault.code == "process-frozen"), "{:?}", long.faults);
+    }
     // For good: a second later it is killed, and says nothing after that.
     let killed = of(&run("freeze = \"regulator-x\"", &["--in-process"]));
     assert_eq!(codes(&killed).first(), Some(&("regulator-x", "process-frozen")), "{:?}", killed.faults);

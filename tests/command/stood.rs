@@ -98,7 +98,7 @@ fn in_the_gap(dwell_s: f64, event: &str, is_told: impl Fn(&Summary) -> bool) {
     let attempt = || {
         let place = Place::new();
         let summary = stood_in_real_time(&place, &text, event, 6.5);
-        // What tripped a drive before is told first.
+        // What stopped the machine before is told first.
         let known = was_busy(&summary) || is_told(&summary);
         assert!(known, "{:?} {:?}", summary.outcome, summary.faults);
         has_a_gap(&place, &summary) && !was_busy(&summary)

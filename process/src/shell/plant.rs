@@ -1,8 +1,8 @@
 //! The process of the plant: it beats the time of the machine.
 //!
 //! In lock step a cycle lasts until every drive has its command; in real time until the next moment of the
-//! clock, and what has not come by then is a late answer: the drive holds the command before, and trips at
-//! the third in a row.
+//! clock, and what has not come by then is a late answer: the drive holds the command before, and tells the
+//! third in a row to all regulators.
 //!
 //! In real time regulators may live in this process ([`Layout::Together`](crate::ipc::Layout)). They answer
 //! as soon as something is measured, then the process sleeps to the end of the cycle: one wake-up per cycle.

@@ -44,6 +44,7 @@ pub enum Fault {
     InterpolatorSilent = 30,
     ForceTooHigh = 31,
     InputTimedOut = 32,
+    LateAnswers = 33,
 }
 
 /// One row of the table.
@@ -69,8 +70,8 @@ pub struct FaultRow {
 
 impl Fault {
     /// Every fault in the order of its code, which starts at 1.
-    pub const ALL: [Fault; 32] = {
-        let mut all = [Fault::FollowingError; 32];
+    pub const ALL: [Fault; 33] = {
+        let mut all = [Fault::FollowingError; 33];
         let mut i = 0;
         while i < all.len() {
             all[i] = FAULTS[i].fault;

@@ -10,7 +10,7 @@ const fn most(sum: &'static [Span], when: &'static str) -> Within {
 }
 
 /// The table, in the order of the codes.
-pub const FAULTS: [FaultRow; 32] = [
+pub const FAULTS: [FaultRow; 33] = [
     FaultRow {
         fault: Fault::FollowingError,
         code: "following-error",
@@ -45,11 +45,11 @@ pub const FAULTS: [FaultRow; 32] = [
         fault: Fault::DriveFault,
         code: "drive-fault",
         source: "regulator",
-        found: "the status word of the drive; it trips without commands",
-        within: &[most(&[Cycles(1)], ""), most(&[Cycles(3)], "without a command")],
+        found: "the status word of the drive",
+        within: &[most(&[Cycles(1)], "")],
         reaction: "the axis has no torque and stands; the others leave the pass, or brake",
         text: "the drive reports a fault, or is not enabled",
-        remedy: "the drive; in real time, answers that came late",
+        remedy: "the drive",
     },
     FaultRow {
         fault: Fault::Stopped,
@@ -150,7 +150,7 @@ pub const FAULTS: [FaultRow; 32] = [
         source: "regulator",
         found: "more than two measurements in a row are missing, or more than ten and a tenth of all",
         within: &[most(&[Cycles(3)], ""), most(&[Cycles(1)], "after so many")],
-        reaction: "leaves the pass on the estimate of the spindle; brakes in timed motion; but who measures nothing commands nothing: after three in a row the drives have tripped, too, and the axes stand where they are",
+        reaction: "leaves the pass on the estimate of the spindle; brakes in timed motion; but who measures nothing commands nothing: after `plant.bus.lost_commands` in a row the drives have tripped, too, and the axes stand where they are",
         text: "a measurement is missing or out of order",
         remedy: "the computer, the bus",
     },
@@ -239,8 +239,11 @@ pub const FAULTS: [FaultRow; 32] = [
         code: "regulator-silent",
         source: "interpolator",
         found: "a status is more than three control cycles old",
-        within: &[most(&[Cycles(3)], "until its drive trips"), most(&[Ticks(1)], "until it is told")],
-        reaction: "its drive trips after three cycles, the other axes leave the pass or brake",
+        within: &[
+            most(&[Cycles(3)], "until its drive asks the others to leave"),
+            most(&[Ticks(1)], "until it is told"),
+        ],
+        reaction: "the other axes leave the pass, or brake; its drive holds the last command, and trips after `plant.bus.lost_commands`",
         text: "a regulator says nothing new: it has died, hangs, or its channel is cut",
         remedy: "the process that is named; the computer",
     },
@@ -298,7 +301,7 @@ pub const FAULTS: [FaultRow; 32] = [
         fault: Fault::OtherAxis,
         code: "other-axis",
         source: "regulator",
-        found: "the drive of another axis is out of operation, or its regulator calls",
+        found: "the drive of another axis is out of operation, or says that it is late, or its regulator calls",
         within: &[most(&[Cycles(1)], "")],
         reaction: "leaves the pass: the axis that lifts brings the tool out; another one brakes in front of the part, or stays on the helix until the tool is out or the spindle stands",
         text: "another axis of the pass has failed, so this one breaks the pass off",
@@ -333,5 +336,15 @@ pub const FAULTS: [FaultRow; 32] = [
         reaction: "the axes rest; the program ends",
         text: "an input that the program waits for did not come in time",
         remedy: "what the input watches; the line of the wait; Q",
+    },
+    FaultRow {
+        fault: Fault::LateAnswers,
+        code: "late-answers",
+        source: "regulator",
+        found: "the status word of its drive: three commands in a row did not come in time",
+        within: &[most(&[Cycles(3)], "without a command")],
+        reaction: "leaves the pass; brakes in timed motion; after `plant.bus.lost_commands` in a row its drive has tripped, and the axis stands where it is",
+        text: "the third answer of this regulator in a row came late or not at all: the computer was too slow; more priority, a longer cycle_s, `pitchlock doctor`",
+        remedy: "the computer (`pitchlock doctor`), `cycle_s`, priority",
     },
 ];

@@ -105,7 +105,7 @@ const LAMED: &[&str] = &[
     "drive_fault = \"x\"",
     "drive_fault = { axis = \"x\", torque_lost = true }",
     "kill = \"regulator-x\"",
-    "packet = { channel = \"drive-command/x\", count = 3, drop = true }",
+    "packet = { channel = \"drive-command/x\", count = 20, drop = true }",
     "packet = { channel = \"measurement\", count = 20, drop = true }",
 ];
 
@@ -118,6 +118,31 @@ fn a_tool_that_cannot_leave_is_told_with_its_place_and_the_way_out() {
         for told in ["in the thread of pass 1", "at X 9.50", "move X by hand to 12.000"] {
             assert!(text.contains(told), "{event}: {text}");
         }
+    }
+}
+
+/// What comes second is not the cause: commands that stay out behind a fault of the drive, a drive that fails
+/// while they stay out. And fewer than trip a drive leave the thread.
+#[test]
+fn a_drive_that_fails_and_one_without_commands_are_told_apart() {
+    let lost =
+        |count: u32| format!("packet = {{ channel = \"drive-command/x\", count = {count}, drop = true }}");
+    let then = |first: &str, second: &str| {
+        format!("{first}\n[[event]]\nat = {{ pass = 1, angle_deg = {} }}\n{second}", AT_DEG + 18.0)
+    };
+    let fails = "drive_fault = \"x\"";
+    for (event, fault, leaves) in [
+        (then(fails, &lost(30)), Fault::DriveFault, false),
+        (then(&lost(30), fails), Fault::LateAnswers, false),
+        (lost(20), Fault::LateAnswers, false),
+        (lost(11), Fault::LateAnswers, true),
+        (lost(3), Fault::LateAnswers, true),
+    ] {
+        let left = run(&Machine::plain(), THREAD, &event);
+        let own = left.seen.faults.iter().find(|fault| fault.source == "regulator-x");
+        assert_eq!(own.map(|own| own.code.as_str()), Some(fault.code()), "{event}: {:?}", left.seen.faults);
+        assert_eq!(left.told.map(|told| told.0), Some(fault), "{event}");
+        assert_eq!((left.x_mm > 11.9, tool_in_thread(&left.seen).is_none()), (leaves, leaves), "{event}");
     }
 }
 
@@ -183,9 +208,9 @@ fn a_spindle_that_ran_away_is_waited_for_after_the_emergency_stop() {
     assert!(left.rpm.abs() < 5.0, "{} 1/min", left.rpm);
 }
 
-/// A drive that is not commanded trips: the gap is told first, the drive as what came of it.
+/// A drive that is not commanded asks for a way out: the gap is told first, the drive as what came of it.
 #[test]
-fn measurements_that_are_lost_are_told_before_the_drives_that_trip_for_them() {
+fn measurements_that_are_lost_are_told_before_the_drives_that_do_without_commands_for_them() {
     let left =
         run(&Machine::plain(), THREAD, "packet = { channel = \"measurement\", count = 4, drop = true }");
     let codes: Vec<&str> = left.seen.faults.iter().map(|fault| fault.code.as_str()).collect();

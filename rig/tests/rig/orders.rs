@@ -94,7 +94,7 @@ fn machine_code_that_is_late_is_not_lost_and_all_else_is_found() {
 
 #[test]
 fn a_channel_to_every_regulator_is_that_of_each() {
-    // The drive trips at the third answer that does not come; its regulator knows why none came.
+    // The drive is late at the third answer that does not come; its regulator knows why none came.
     let (_, axes) = end("packet = { channel = \"measurement\", drop = true, count = 3 }");
     assert_eq!(axes, [Fault::MeasurementGap as u32; 2]);
     let (_, axes) = end("packet = { channel = \"measurement/z\", drop = true, count = 3 }");

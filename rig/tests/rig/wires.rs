@@ -172,8 +172,9 @@ fn two_lost_measurements_are_bridged_and_the_third_is_named() {
 }
 
 #[test]
-fn a_drive_trips_at_the_third_command_that_does_not_come() {
-    for (lost, fault) in [(2, 0), (3, Fault::DriveFault as u32)] {
+fn two_lost_commands_are_bridged_and_the_third_is_named() {
+    let late = Fault::LateAnswers as u32;
+    for (lost, fault) in [(2, 0), (3, late), (30, late)] {
         let some = move |wire, now: Cycle| wire == Wire::Drive(Axis::X) && (900..900 + lost).contains(&now.0);
         let (_, axes) = end(Straight.with(Losing::new(some)));
         assert_eq!(axes[0], fault, "{lost} commands lost");
@@ -243,11 +244,11 @@ fn a_dead_regulator_answers_nothing_and_its_drive_trips() {
         let dead_for = (cycle + 1_u64).saturating_sub(900);
         assert_eq!(*ages, [dead_for, 0], "in cycle {cycle}");
         assert_eq!(*frame, cycle > 0 && cycle % 4 == 0);
-        if cycle > 8 && cycle <= 902 {
+        if cycle > 8 && cycle <= 911 {
             assert_eq!(*drive, DriveState::OperationEnabled, "in cycle {cycle}");
         }
     }
-    assert_eq!(seen[903].2, DriveState::FaultReaction);
+    assert_eq!(seen[912].2, DriveState::FaultReaction);
     assert_eq!(seen[999].2, DriveState::Fault);
 }
 

@@ -143,12 +143,20 @@ impl Default for Power {
 }
 
 /// `[plant.bus]`
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Bus {
     /// Control cycles for which a measurement is under way to the regulators, and a command to the drives.
     pub(crate) input_cycles: u32,
     pub(crate) output_cycles: u32,
+    /// A drive trips when so many commands in a row have not come.
+    pub(crate) lost_commands: u32,
+}
+
+impl Default for Bus {
+    fn default() -> Self {
+        Bus { input_cycles: 0, output_cycles: 0, lost_commands: 12 }
+    }
 }
 
 impl PlantConfig {
@@ -171,6 +179,7 @@ impl PlantConfig {
         let (longest, bus) = (f64::from(machine::LONGEST_CYCLES), config.bus);
         range("plant.bus.input_cycles", f64::from(bus.input_cycles), 0.0, longest)?;
         range("plant.bus.output_cycles", f64::from(bus.output_cycles), 0.0, longest)?;
+        range("plant.bus.lost_commands", f64::from(bus.lost_commands), 3.0, 1000.0)?;
         Ok(config)
     }
 }

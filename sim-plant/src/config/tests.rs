@@ -123,5 +123,6 @@ fn a_refusal_of_the_cut_and_the_mains_names_the_key_and_what_is_allowed() {
             "plant.cutting.back_mm = 0: must lie between -100000 and -5",
         ),
         ("[power]\nlink_hold_s = 11", "plant.power.link_hold_s = 11: must lie between 0 and 10"),
+        ("[bus]\nlost_commands = 2", "plant.bus.lost_commands = 2: must lie between 3 and 1000"),
     ]);
 }

@@ -114,7 +114,7 @@ impl Plant {
                 axis,
                 home_mm: belief.home_mm,
                 true_home_mm: facts.home_mm,
-                drive: Drive::new(belief, &train, cycle_s),
+                drive: Drive::new(belief, &train, config.bus.lost_commands, cycle_s),
                 train: DriveTrain::new(&train, axis, &facts, cycle_s, &mut own)?,
                 meter: Meter::new(train.torque_noise_nm, train.torque_step_nm, own),
                 torque_nm: None,
@@ -145,7 +145,7 @@ impl Plant {
             Plant { axes, spindle, timeline, cutter, freshness, outage: 0, link_cycles, bus, fresh, truth };
         plant.play(scenario)?;
         plant.sample(Cycle(0), &SpindleCommand::default());
-        let config::Bus { input_cycles, output_cycles } = config.bus;
+        let config::Bus { input_cycles, output_cycles, .. } = config.bus;
         plant.bus = Bus::new(input_cycles, output_cycles, &plant.fresh);
         Ok(plant)
     }

@@ -150,15 +150,50 @@ fn overspeed_trips() {
 }
 
 #[test]
-fn a_command_that_stays_out_trips_at_its_third_cycle() {
-    let mut stand = Stand::enabled();
-    let word = 0x0F;
-    let last =
-        DriveCommand { cycle: stand.plant.measurement().cycle, control_word: word, ..Default::default() };
-    let drives: PerAxis<DriveCommand> = [last; 8];
-    for expected in [DriveState::OperationEnabled; 3].into_iter().chain([DriveState::FaultReaction]) {
-        stand.plant.tick(&drives, &SpindleCommand::default(), None);
-        assert_eq!(stand.state(Axis::X), expected);
+fn a_command_that_stays_out_is_told_at_its_third_cycle_and_trips_when_its_drive_waits_no_more() {
+    for (plant, trips) in [("", 12), ("[bus]\nlost_commands = 3", 3), ("[bus]\nlost_commands = 40", 40)] {
+        let machine = Machine { plant: plant.parse().unwrap(), ..Machine::plain() };
+        let mut stand = Stand::new(&machine, Scenario::none(), 1);
+        stand.run(10);
+        let cycle = stand.plant.measurement().cycle;
+        let drives = [DriveCommand { cycle, control_word: 0x0F, ..Default::default() }; 8];
+        for old in 0..=trips {
+            stand.plant.tick(&drives, &SpindleCommand::default(), None);
+            let word = stand.plant.measurement().axes[0].drive();
+            let expected = if old < trips { DriveState::OperationEnabled } else { DriveState::FaultReaction };
+            assert_eq!((word.state(), word.is_late()), (Some(expected), old >= 3), "{plant} {old}");
+        }
+    }
+    let mut stand = Stand::lathe();
+    stand.plant.tick(&Default::default(), &SpindleCommand::default(), None);
+    stand.plant.tick(&Default::default(), &SpindleCommand::default(), None);
+    assert!(!stand.plant.measurement().axes[0].drive().is_late(), "a drive without power waits for nobody");
+}
+
+/// Without commands from 30 mm/s on, braking, at a constant speed, and speeding up: as an axis that is told
+/// to brake on, or to go on.
+#[test]
+fn without_commands_an_axis_that_brakes_brakes_on_and_another_one_goes_on() {
+    let machine = Machine { plant: "[bus]\nlost_commands = 100".parse().unwrap(), ..Machine::plain() };
+    for mm_s_a_cycle in [-2.0, 0.0, 2.0] {
+        let then = if mm_s_a_cycle < 0.0 { mm_s_a_cycle } else { 0.0 };
+        let way = |told: i32| {
+            let mut stand = Stand::new(&machine, Scenario::none(), 1);
+            stand.run(10);
+            let mut drives: PerAxis<DriveCommand> = Default::default();
+            for n in -100..=60 {
+                let cycle = stand.plant.measurement().cycle;
+                let change = if n < 0 { mm_s_a_cycle } else { then };
+                let velocity_offset_mm_s = (30.0 + change * f64::from(n)).clamp(0.0, 100.0);
+                if n <= told {
+                    let command = DriveCommand { cycle, control_word: 0x0F, ..Default::default() };
+                    drives = [DriveCommand { velocity_offset_mm_s, ..command }; 8];
+                }
+                stand.plant.tick(&drives, &SpindleCommand::default(), None);
+            }
+            (x(&stand).motor_mm, x(&stand).velocity_mm_s)
+        };
+        assert_eq!(way(0), way(60), "{mm_s_a_cycle}");
     }
 }
 

@@ -7,7 +7,7 @@ use protocol::Fault;
 pub(crate) fn makes_leave(fault: Fault) -> bool {
     use Fault::{
         AxisFault, AxisJump, DriveFault, EmergencyStop, EncoderGlitch, EncoderPlausibility, EncoderStands,
-        FollowingError, ForceTooHigh, MeasurementGap, OtherAxis, PowerLost, RegulatorSilent,
+        FollowingError, ForceTooHigh, LateAnswers, MeasurementGap, OtherAxis, PowerLost, RegulatorSilent,
         SpindleNotAtSpeed, SpindleReversed, SpindleRunaway, ThreadError,
     };
     matches!(
@@ -21,6 +21,7 @@ pub(crate) fn makes_leave(fault: Fault) -> bool {
             | EncoderStands
             | FollowingError
             | ForceTooHigh
+            | LateAnswers
             | MeasurementGap
             | OtherAxis
             | PowerLost

@@ -13,12 +13,27 @@ use crate::event::{Channel, Event, Fate, Trouble, What};
 const LINK_HOLD_S: f64 = 0.1;
 /// And where a drive trips, mm/s.
 const OVERSPEED_MM_S: f64 = 290.0;
-/// So many measurements in a row without a command, and a drive trips.
-const MISSING: u64 = 3;
+/// So many cycles in a row without a command, and a drive trips: as the plant takes it.
+const LOST_COMMANDS: u64 = 12;
 
 /// Whether an event explains that an axis has no torque in a cycle.
 pub(crate) fn is_explained(known: &Known, axis: Axis, now: u64) -> bool {
-    known.events.iter().any(|event| now >= event.at && takes(known.machine, event, axis, now))
+    let events = || known.events.iter().filter(|event| now >= event.at);
+    let lost: u64 = events().map(|event| lost(event, axis)).sum();
+    lost >= LOST_COMMANDS || events().any(|event| takes(known.machine, event, axis, now))
+}
+
+/// How many commands in a row the drive of an axis has to do without.
+fn lost(event: &Event, axis: Axis) -> u64 {
+    match event.what {
+        What::Packet(Channel::Measurements, fate, count) => gap(fate, count),
+        What::Packet(Channel::Drive(disturbed) | Channel::Measurement(disturbed), fate, count)
+            if disturbed == axis =>
+        {
+            gap(fate, count)
+        }
+        _ => 0,
+    }
 }
 
 fn takes(machine: &Machine, event: &Event, axis: Axis, now: u64) -> bool {
@@ -27,11 +42,6 @@ fn takes(machine: &Machine, event: &Event, axis: Axis, now: u64) -> bool {
         What::Plant(Trouble::Jump(jumped, mm)) => jumped == axis && trips(machine, axis, mm),
         What::Plant(Trouble::PowerLost) => now >= event.at + link_hold_cycles(machine),
         What::Kill(module) | What::Freeze(module, _) => module == Module::Regulator(axis),
-        What::Packet(Channel::Drive(disturbed), ..) => disturbed == axis,
-        What::Packet(Channel::Measurements, fate, count) => gap(fate, count) >= MISSING,
-        What::Packet(Channel::Measurement(disturbed), fate, count) => {
-            disturbed == axis && gap(fate, count) >= MISSING
-        }
         _ => false,
     }
 }

@@ -1,10 +1,11 @@
 //! Answers that come late, at every cycle around each border of a pass: nobody gets what is measured while
 //! the process of plant and regulators stands, or a regulator alone stands and answers later what has
 //! waited for it. All of them are counted. Two in a row are bridged, before the observer of all presses; at
-//! the third the drives trip: then the cause has its name, the machine comes to rest, no axis has gone
-//! deeper than the pass, and a tool that stays in its groove is told.
+//! the third the thread is left on its helix; at the twelfth the drives trip. Then, too, the cause has its
+//! name, the machine comes to rest, no axis has gone deeper than the pass, and a tool that stays in its
+//! groove is told.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use protocol::{Axis, Module, PerAxis, Position};
 use rig::observe::{Observation, Outcome, Record, TOOL_IN_THREAD};
@@ -12,22 +13,26 @@ use rig::observe::{Observation, Outcome, Record, TOOL_IN_THREAD};
 use super::{Job, POLICIES, SHORT, SHORT_FACE, Seen, way::Way, with};
 
 /// For so many cycles plant and regulators stand, 0.5 to 50 ms, and so many a regulator alone.
-const ALL_STAND: [u64; 6] = [1, 2, 3, 4, 20, 100];
-const ONE_STANDS: [u64; 2] = [2, 4];
+const ALL_STAND: [u64; 9] = [1, 2, 3, 4, 8, 11, 12, 20, 100];
+const ONE_STANDS: [u64; 6] = [2, 3, 4, 8, 11, 12];
 /// So many are bridged.
 const BRIDGED: u64 = 2;
+/// So many trip the drives.
+const TRIPS: u64 = 12;
 /// A regulator does not believe the first measurement that is so many cycles ahead: one more answer is late.
 const FAR_AHEAD: u64 = 50;
 /// Of what has waited a regulator that goes on makes good so many cycles in each.
 const MADE_GOOD: u64 = 3;
-/// An axis that trips on its way to depth stops no farther behind it, mm.
-const DEEPER_MM: f64 = 0.01;
+/// An axis on its way to depth stops no farther behind it, mm.
+const DEEPER_MM: f64 = 0.001;
+/// A tool that leaves stays so near to its helix, µm.
+const BESIDE_UM: f64 = 1.0;
 /// An axis rests that is slower, mm/s; a spindle, 1/min.
 const RESTS_MM_S: f64 = 0.1;
 const RESTS_RPM: f64 = 5.0;
 
 /// Who stands.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Who {
     RealTime,
     Regulator(Axis),
@@ -93,14 +98,15 @@ impl Stall {
         }
     }
 
-    /// Whether the tool stays in the groove.
-    fn trips(&self, job: &Job, way: Way) -> bool {
+    /// What became of the tool, and how deep it was.
+    fn ends(&self, job: &Job, way: Way) -> Ended {
         let what = format!("{self:?}");
         let mut end = End::default();
-        let Observation { outcome, faults, warnings, .. } = way.seen_by(|record| end.see(job, record));
+        let Observation { outcome, faults, warnings, passes, .. } =
+            way.seen_by(|record| end.see(job, record));
         assert_eq!(end.late, self.late(job), "{what}");
         assert_eq!(outcome, Outcome::Faulted, "{what}");
-        let named = ["measurement-gap", "regulator-silent", "drive-fault"];
+        let named = ["measurement-gap", "regulator-silent", "late-answers"];
         let told = faults.iter().find(|fault| fault.source == "interpolator");
         assert!(told.is_some_and(|fault| named.contains(&fault.code.as_str())), "{what}: {faults:?}");
         assert!(end.moved_mm < RESTS_MM_S * job.machine.general.cycle_s, "{what}: {} mm", end.moved_mm);
@@ -108,7 +114,30 @@ impl Stall {
         assert!(end.deeper_mm < DEEPER_MM, "{what}: {} mm too deep", end.deeper_mm);
         let told = warnings.iter().any(|warning| warning.code == TOOL_IN_THREAD);
         assert!(told || !end.in_groove, "{what}: {warnings:?}");
-        end.in_groove
+        let beside_um = passes.iter().map(|pass| pass.helix_max_abs_um).fold(0.0, f64::max);
+        if self.cycles < TRIPS {
+            assert!(!end.in_groove, "{what}: the tool stays in its groove; {faults:?}");
+            assert!(beside_um < BESIDE_UM, "{what}: {beside_um} µm beside its helix");
+        }
+        Ended { cases: 1, stays: u32::from(end.in_groove), deeper_mm: end.deeper_mm, beside_um }
+    }
+}
+
+/// What became of tools.
+#[derive(Default)]
+struct Ended {
+    cases: u32,
+    stays: u32,
+    deeper_mm: f64,
+    beside_um: f64,
+}
+
+impl Ended {
+    fn add(&mut self, other: &Ended) {
+        self.cases += other.cases;
+        self.stays += other.stays;
+        self.deeper_mm = self.deeper_mm.max(other.deeper_mm);
+        self.beside_um = self.beside_um.max(other.beside_um);
     }
 }
 
@@ -154,7 +183,7 @@ fn at_each_border(program: &str) {
         (Who::Regulator(Axis::X), &ONE_STANDS),
         (Who::Regulator(Axis::Z), &ONE_STANDS),
     ];
-    let (mut way, mut bridged, mut tripped, mut stay) = (job.begin(), 0, 0, 0);
+    let (mut way, mut bridged, mut ended) = (job.begin(), 0, BTreeMap::<_, Ended>::new());
     // The drives are on by then, and what is late last is counted before the end.
     for at in cycles.into_iter().filter(|at| *at > 40 && at + 200 < job.cycles) {
         way.to(at);
@@ -165,14 +194,18 @@ fn at_each_border(program: &str) {
                 stall.is_bridged(&job, way);
                 bridged += 1;
             } else {
-                stay += u32::from(stall.trips(&job, way));
-                tripped += 1;
+                ended.entry((stall.cycles, stall.who)).or_default().add(&stall.ends(&job, way));
             }
         }
     }
-    println!(
-        "{bridged} are bridged, {tripped} trip the drives; in {stay} of them the tool stays in its groove"
-    );
+    println!("{bridged} are bridged");
+    for ((cycles, who), Ended { cases, stays, deeper_mm, beside_um }) in &ended {
+        println!(
+            "{who:?} {cycles} cycles: {cases}, the tool stays in {stays}; {:.2} µm too deep, {beside_um:.2} µm beside",
+            1e3 * deeper_mm
+        );
+    }
+    assert!(ended.iter().any(|((cycles, _), ended)| *cycles >= TRIPS && ended.stays > 0), "none stays");
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn of_frames() -> Vec<Case> {
         )
         .seen(led_elsewhere())
         .told_above(),
-        Case::new((Fault::Stopped, 0), WHOLE, &[Stage::Timed], always("kill = \"regulator-x\""))
+        Case::new((Fault::Stopped, 0), WHOLE, &[Stage::Timed], always("drive_fault = \"x\""))
             .lasting(12)
             .seen(when(|course, _, n| course[n].stopped[Z]))
             .told_by(Z),
@@ -83,12 +83,12 @@ fn of_regulators() -> Vec<Case> {
             .by_a_stranger()
             .seen(later(MISSING))
             .told_above(),
-        Case::new((Fault::DriveFault, 1), WHOLE, EVERYWHERE, lost("drive-command/z", 3, 30))
+        Case::new((Fault::LateAnswers, 0), WHOLE, EVERYWHERE, lost("drive-command/z", 3, 30))
             .seen(later(MISSING))
             .told_by(Z),
         Case::new((Fault::RegulatorSilent, 0), WHOLE, EVERYWHERE, one_of(DEAD))
             .seen(later(MISSING))
-            .reacts(trips),
+            .reacts(asks),
         Case::new((Fault::RegulatorSilent, 1), WHOLE, EVERYWHERE, one_of(DEAD)).seen(later(old)).told_above(),
         Case::new((Fault::RegulatorSilent, 1), WHOLE, EVERYWHERE, lost("axis-status/z", FOR_GOOD, FOR_GOOD))
             .seen(later(old))
@@ -96,8 +96,8 @@ fn of_regulators() -> Vec<Case> {
     ]
 }
 
-/// Three in a row: the regulator says so; more: its drive trips meanwhile. One in three: with the thirteenth
-/// there are more than ten and a tenth of all.
+/// Three in a row: the regulator says so; more: its drive asks the others meanwhile. One in three: with the
+/// thirteenth there are more than ten and a tenth of all.
 fn of_measurements() -> [Case; 3] {
     let one_in_three = |_: &mut Seed, at: u64| {
         let drop = "packet = { channel = \"measurement/z\", drop = true }";
@@ -109,7 +109,7 @@ fn of_measurements() -> [Case; 3] {
             .told_by(Z),
         Case::new((Fault::MeasurementGap, 0), WHOLE, EVERYWHERE, lost("measurement/z", 4, 40))
             .seen(later(MISSING))
-            .reacts(trips),
+            .reacts(asks),
         Case::new((Fault::MeasurementGap, 1), WHOLE, EVERYWHERE, one_in_three)
             .seen(later(12 * 3 + MISSING))
             .told_by(Z),
@@ -126,8 +126,9 @@ fn lost(channel: &'static str, low: u64, high: u64) -> impl Fn(&mut Seed, u64) -
     }
 }
 
-fn trips(now: &Moment, _: &Moment) -> bool {
-    !now.holds(Z)
+/// The drive of Z tells the others that it has had no command for too long.
+fn asks(now: &Moment, _: &Moment) -> bool {
+    now.measurement.axes[AXES[Z].index()].drive().is_late()
 }
 
 /// The setpoint that would arrive lies farther from the axis than it goes in six ticks.
