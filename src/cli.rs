@@ -91,7 +91,7 @@ pub(crate) enum Command {
     #[command(after_help = crate::pickup::HELP)]
     PickUp(crate::pickup::PickUpArgs),
     /// Say whether this computer can run the machine, and what to change if not.
-    #[command(after_help = "Example:\n  pitchlock doctor")]
+    #[command(after_help = "Examples:\n  pitchlock doctor\n  pitchlock doctor --real 60")]
     Doctor(crate::doctor::DoctorArgs),
     /// The process of the panel, as `panel` starts it.
     #[command(hide = true)]
@@ -156,6 +156,7 @@ impl Command {
             Command::Soak(args) => args.json,
             Command::Thread(args) => args.json,
             Command::PickUp(args) => args.json,
+            Command::Doctor(args) => args.json,
             Command::Replay(args) => args.json,
             Command::Diff(args) => args.json,
             _ => false,

@@ -229,3 +229,31 @@ fn a_run_in_real_time_is_gone_on_with_unless_it_was_killed() {
     let answer = place.ask(&["run", "run", "--resume", "--out", "never"]);
     assert!(answer.status == Some(2) && answer.stderr.contains("ran in real time"), "{}", answer.stderr);
 }
+
+/// The machine's own processes run for two seconds. Whether this computer will do, nobody here can know; but
+/// what is told hangs together, and nothing is left behind.
+#[test]
+fn the_doctor_runs_the_machine_and_says_whether_this_computer_will_do() {
+    let place = Place::new();
+    let answer = place.ask(&["doctor", "--real", "2", "--json"]);
+    let told: serde_json::Value = serde_json::from_str(&answer.stdout).expect("one document");
+    let number = |value: &serde_json::Value| value.as_u64().expect("a number");
+    let [p50, p99, max] = ["p50", "p99", "max"].map(|name| number(&told["wakeups_us"][name]));
+    assert!(p50 <= p99 && p99 <= max && number(&told["wakeups"]) > 100, "{told:#}");
+    // A quarter of 0.5 ms.
+    let fit = number(&told["stopped"]) == 0 && p99 <= 125;
+    assert_eq!((told["fit"].as_bool(), answer.status), (Some(fit), Some(i32::from(!fit))), "{told:#}");
+    let checks = told["checks"].as_array().expect("checks");
+    let says =
+        |check: &serde_json::Value, what: &str| check[what].as_str().is_some_and(|text| !text.is_empty());
+    assert!(
+        checks.iter().all(|check| says(check, "name") && says(check, "remedy") && check["ok"].is_boolean())
+    );
+    for name in ["kernel", "hypervisor", "limit of locked memory", "real-time: priority"] {
+        assert!(checks.iter().any(|check| check["name"] == name), "{name}: {told:#}");
+    }
+    assert_eq!((name_spaces(&place), alive(&place)), (vec![], false));
+    for wrong in [&["doctor", "--real", "0"][..], &["doctor", "--json"], &["doctor", "--real", "NaN"]] {
+        assert_eq!(place.ask(wrong).status, Some(2), "{wrong:?}");
+    }
+}

@@ -1,5 +1,8 @@
 //! `pitchlock doctor`: can this computer run the machine, and what to change if not.
 
+mod checks;
+mod real;
+
 use std::{fmt::Write as _, path::Path, process::ExitCode};
 
 use process::ipc::{
@@ -15,6 +18,18 @@ use crate::{args::MachineArgs, error::CliError, run::axes, screen};
 pub(crate) struct DoctorArgs {
     #[command(flatten)]
     pub(crate) machine: MachineArgs,
+    /// Run the machine in real time for so long, at rest, and say whether this computer will do: 0.1 to
+    /// 100000 s.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) real: Option<f64>,
+    /// With --real: print one JSON document, and nothing else.
+    #[arg(long, requires = "real")]
+    pub(crate) json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let given = text.parse::<f64>().ok().filter(|seconds| (0.1..=1e5).contains(seconds));
+    given.ok_or_else(|| "seconds, 0.1 to 100000".into())
 }
 
 /// Wake-ups that are measured.
@@ -22,9 +37,14 @@ const WAKE_UPS: usize = 2000;
 /// What a run of some minutes leaves in its folder, bytes.
 const RUN_BYTES: u64 = 256 << 20;
 
+/// Looks, or with `--real` measures.
+pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
+    args.real.map_or_else(|| look(args), |seconds| real::real(args, seconds))
+}
+
 /// Tries the name space, files, disks, processors, memory locking, priority and wake-ups, and says what it
 /// found.
-pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
+fn look(args: &DoctorArgs) -> Result<ExitCode, CliError> {
     let (machine, _) = args.machine.read()?;
     let mut text = String::new();
     let begun = Moment::now();
