@@ -7,11 +7,12 @@
 //! | e(u) | mm | x(u) − q(u) |
 //! | uₖ, δₖ | mm | places where the spline is held, and their share of the way |
 //! | h | mm | width of the interval between knots |
+//! | g | – | how firmly the first spline is held in an interval |
 //! | νₖ, fₖ | – | weight of the wall at a place; how firmly it holds, from 1 |
 //!
 //! ```text
 //! least ½∫|x⁗|² du  with |e(uₖ)| ≤ R = 0.9 P                                                     (M187)
-//! first    x nearest to q:  ½∫|x⁗|² + W/2 Σ δₖ/h⁸ |e|², W the least of four that keeps it in the tube
+//! first    x nearest to q:  ½∫|x⁗|² + ½ Σ gδₖ/h⁸ |e|²,  g from 1 up where it is not in the tube
 //! then     ½∫|x⁗|² − Σ νₖwₖ log(1 − |e|²/R²),  wₖ = δₖ R²/h⁸,  by steps with the matrix
 //!          ∫B⁗B⁗ + Σ fₖνₖwₖ (2/(R² − |e|²) + 4|e|²/(R² − |e|²)²) B B
 //! |e| ≤ max(|e(uₖ)|, |e(uₖ₊₁)|) + (uₖ₊₁ − uₖ)²/8 max |x″| ≤ P between two of them                (M188)
@@ -20,7 +21,8 @@
 //! axes share it. A step ends at 0.9 of the way to the nearest wall: after every one of them the spline is in
 //! the tube. Where a step would have led through the wall, the place holds the more firmly in the next ones;
 //! where not, its wall counts half as much from then on. So one narrow place does not keep the rest from
-//! being smooth.
+//! being smooth. Nor would the first spline do with one g for all: near a corner intervals are narrow
+//! and 1/h⁸ is large; to be nearer there by a millionth of the tube, it would leave it everywhere else.
 //!
 //! Since x(u) stays within P of q(u), neither is anywhere farther than P from the other.
 //!
@@ -33,8 +35,13 @@ use super::spline::{DEGREE, Knots, Row, Vector, weighted};
 
 /// R in P: what is left is for what lies between the places.
 const TUBE: f64 = 0.9;
-/// W, one after the other.
-const NEAR: [f64; 4] = [1.0, 1e2, 1e4, 1e6];
+/// Most splines of which one is to be in the tube. As long as none is, every g is so much for the second one, and
+/// so much more for the third;
+const TRIES: usize = 6;
+const NEARER: f64 = 100.0;
+/// then that of an interval in which the one before is not, and of those beside it, grows by so much times
+/// |e|²/R².
+const RISES: f64 = 10.0;
 /// The first spline may come so near to a wall.
 const INSIDE: f64 = 0.9999;
 /// Share of the way to the nearest wall that a step may take.
@@ -115,16 +122,28 @@ impl Tube {
 
     /// The smoothest of the splines nearest to the lines, or so far off them, that lies in the tube.
     fn follow(&self, controls: &mut [Vector], free: &Range<usize>, guides: &[Vector]) -> Option<()> {
-        NEAR.iter().find_map(|near| {
+        let mut firm = vec![1.0; self.knots.intervals()];
+        for n in 0..TRIES {
             let (mut system, _) = self.bent(controls);
             for (place, guide) in self.places.iter().zip(guides) {
-                let (off, weight) = (less(&place.off(controls), guide), near * place.weight);
+                let (off, weight) = (less(&place.off(controls), guide), firm[place.interval] * place.weight);
                 system.add(place.interval, &place.row, weight, &off, weight);
             }
             go(controls, &system.solved(free)?, free, 1.0);
-            let inside = |place: &Place| norm(&place.off(controls)) < INSIDE * place.radius;
-            self.places.iter().all(inside).then_some(())
-        })
+            let mut rises = vec![1.0_f64; firm.len()];
+            for place in &self.places {
+                let off = norm(&place.off(controls)) / place.radius;
+                if off >= INSIDE {
+                    let around = place.interval.saturating_sub(1)..(place.interval + 2).min(rises.len());
+                    rises[around].iter_mut().for_each(|own| *own = own.max(RISES * off * off));
+                }
+            }
+            if rises.iter().all(|rise| *rise == 1.0) {
+                return Some(());
+            }
+            firm.iter_mut().zip(rises).for_each(|(firm, rise)| *firm *= if n < 2 { NEARER } else { rise });
+        }
+        None
     }
 
     /// Makes a spline in the tube smoother (M187).

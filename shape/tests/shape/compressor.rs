@@ -278,3 +278,27 @@ fn a_corner_that_stands_alone_ends_a_run() {
         assert_eq!(outs.iter().filter(corner).count() + 1, runs, "{turn}");
     }
 }
+
+/// Lines of 0.1 mm with three decimals, as long as a wave, with a corner that they cut in two 0.05 mm apart: there
+/// the intervals are a thirtieth of those elsewhere, and all of it is a curve.
+#[test]
+fn one_narrow_place_leaves_the_rest_a_curve() {
+    for case in 0..20 {
+        let mut random = Seed::of_case(case);
+        let (wave, swing) = (random.between(1.5, 4.0), random.between(0.3, 0.9));
+        let turns = [random.between(0.2, 0.45), random.between(0.2, 0.45)];
+        let (mut points, mut heading, [mut x, mut y]) = (vec![[0.0; 3]], 0.0, [0.0; 2]);
+        for k in 0..700_u32 {
+            heading += 0.1 * swing / wave * libm::cos(0.1 * f64::from(k) / wave);
+            heading += if k == 400 { turns[0] } else { 0.0 };
+            heading += if k == 401 { turns[1] } else { 0.0 };
+            let length = if k == 400 { 0.05 } else { 0.1 };
+            (x, y) = (x + length * libm::cos(heading), y + length * libm::sin(heading));
+            points.push([x, y, 0.0].map(|mm| (1e3 * mm).round() / 1e3));
+        }
+        let outs = compressed(&points, LEEWAY);
+        holds(&points, &outs, LEEWAY.flat);
+        let lines = outs.iter().filter(|out| matches!(out, Out::Line(_))).count();
+        assert!(lines <= 2, "case {case}: {lines} lines stay lines");
+    }
+}
