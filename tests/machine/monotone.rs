@@ -52,7 +52,7 @@ fn foretold(place: &Place, text: &str) -> f64 {
 }
 
 /// The most that a larger P, a larger Q and shorter lines may take longer.
-const MOST: [f64; 3] = [1.15, 1.15, 1.3];
+const MOST: [f64; 3] = [1.15, 1.15, 1.4];
 
 /// `PITCHLOCK_CONTOURS` contours instead of four.
 #[test]
