@@ -54,7 +54,8 @@ pub(super) fn terminal(args: &PanelCommandArgs) -> Result<ExitCode, CliError> {
     let mut launcher = Launcher::start().map_err(|error| CliError::Machine(format!("the panel: {error}")))?;
     let shown = match launcher.place() {
         Some(at) => shown(&at, Some(&mut launcher), &mut interrupts),
-        None => Ok(()),
+        // It says why and ends by itself; the end of its pipe would end it before.
+        None => launcher.child.wait().map(drop).map_err(|error| CliError::Machine(error.to_string())),
     };
     let status = launcher.ends();
     shown.map(|()| status)

@@ -1,6 +1,7 @@
 //! One WebSocket. Out: what changed, 25 times a second at most, answers, pictures of the scope. In:
 //! documents as `/api/do` takes them, and settings of the scope. One that does not read is closed, and costs
-//! nobody else anything.
+//! nobody else anything. Documents that come faster than they are answered wait in the socket: none is lost, and
+//! a hold behind many others is taken in its turn.
 
 use std::{sync::Arc, time::Duration};
 
@@ -20,7 +21,7 @@ pub(crate) const BEAT: Duration = Duration::from_millis(40);
 const LOOK: Duration = Duration::from_millis(100);
 /// So long one may take for a message before it is given up.
 const READ_TIME: Duration = Duration::from_secs(10);
-/// Documents of one socket that wait for their answers.
+/// Documents of one socket that wait for their answers; the next one is read when there is one.
 const MOST_WAITING: usize = 16;
 
 /// Serves it to its end.
@@ -52,17 +53,15 @@ pub(crate) async fn live(mut socket: WebSocket, house: &Arc<House>) {
                 Message::binary(picture)
             }
             Some(news) = answers.recv() => Message::text(news.to_string()),
-            message = socket.recv() => match message {
+            message = socket.recv(), if answer.capacity() > 0 => match message {
                 Some(Ok(Message::Text(text))) => match scope.set(&text, &house.ring()) {
                     Some(told) => Message::text(with_room(told, &mut scope, &mut room, house).to_string()),
                     None => {
-                        if let Ok(place) = answer.clone().try_reserve_owned() {
-                            let house = Arc::clone(house);
-                            tokio::spawn(async move { place.send(house.ask(text.as_bytes()).await) });
-                            continue;
-                        }
-                        let told = json!({ "id": null, "refused": "too-many", "why": "wait for the answers" });
-                        Message::text(told.to_string())
+                        // There is a place: nobody else takes one.
+                        let Ok(place) = answer.clone().try_reserve_owned() else { return };
+                        let house = Arc::clone(house);
+                        tokio::spawn(async move { place.send(house.ask(text.as_bytes()).await) });
+                        continue;
                     }
                 },
                 Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
