@@ -49,6 +49,9 @@ struct Measured {
     stopped: u64,
     /// What its processes were granted, and what not.
     granted: Vec<Check>,
+    /// For how long the machine ran, s; somebody did not let it run to the end.
+    ran_s: f64,
+    broken_off: bool,
 }
 
 impl Measured {
@@ -82,9 +85,12 @@ impl Measured {
         found.map_or(0, |(us, _)| us + (1 << us.max(&16).ilog2() >> 4) - 1).min(self.most_us)
     }
 
-    /// Whether a machine with such a cycle, µs, can be run.
+    /// Whether a machine with such a cycle, µs, can be run. Too little of what was broken off is known.
     fn is_fit(&self, cycle_us: f64) -> bool {
-        self.wake_ups() > 0 && self.stopped == 0 && self.share_us(99) as f64 <= BUDGET * cycle_us
+        !self.broken_off
+            && self.wake_ups() > 0
+            && self.stopped == 0
+            && self.share_us(99) as f64 <= BUDGET * cycle_us
     }
 }
 
@@ -121,6 +127,8 @@ pub(super) fn real(args: &DoctorArgs, seconds: f64) -> Result<ExitCode, CliError
             "wakeups": measured.wake_ups(),
             "late_answers": measured.late_answers,
             "stopped": measured.stopped,
+            "ran_s": measured.ran_s,
+            "broken_off": measured.broken_off,
             "checks": all,
         });
         screen::print(&format!("{document:#}\n"));
@@ -157,13 +165,17 @@ fn told(machine: &Machine, measured: &Measured, all: &[Check]) -> String {
         measured.late_answers,
         measured.stopped
     );
-    let can = if measured.is_fit(cycle_us) { "can" } else { "cannot" };
-    let _ = writeln!(text, "this computer {can} run the machine in real time");
+    let verdict = match (measured.broken_off, measured.is_fit(cycle_us)) {
+        (true, _) => "broken off: whether this computer can run the machine in real time is not known",
+        (false, true) => "this computer can run the machine in real time",
+        (false, false) => "this computer cannot run the machine in real time",
+    };
+    let _ = writeln!(text, "measured for {:.1} s; {verdict}", measured.ran_s);
     text
 }
 
 /// Runs the machine again and again until the time is over: a run that late answers end is a finding, and
-/// the next one goes on. Ctrl-C ends it sooner.
+/// the next one goes on. Ctrl-C ends it sooner. A process that dies says nothing of the computer.
 fn measure(machine: &str, seconds: f64) -> Result<Measured, CliError> {
     let folder = Folder::new()?;
     let mut interrupts = Interrupts::catch()?;
@@ -173,19 +185,23 @@ fn measure(machine: &str, seconds: f64) -> Result<Measured, CliError> {
             .map_err(|error| CliError::Machine(format!("{}: {error}", folder.0.display())))
     };
     put("machine.toml", machine)?;
-    let (mut measured, mut over_s) = (Measured::default(), 0.0);
-    while seconds - over_s >= SHORTEST_S && !interrupts.is_wished() {
-        put("idle.ngc", &format!("G21\nG4 P{:.3}\nM2\n", seconds - over_s))?;
+    let mut measured = Measured::default();
+    while seconds - measured.ran_s >= SHORTEST_S && !interrupts.is_wished() {
+        put("idle.ngc", &format!("G21\nG4 P{:.3}\nM2\n", seconds - measured.ran_s))?;
         let _ = fs::remove_dir_all(place("run"));
         let said = run(&folder.0)?;
         let summary = Summary::read(&place("run/summary.json"))
             .map_err(|_| CliError::Machine(format!("the machine did not start: {}", said.trim())))?;
+        if let Some(fault) = summary.faults.iter().find(|fault| fault.code.starts_with("process-")) {
+            return Err(CliError::Machine(format!("{}: {}", fault.code, fault.text)));
+        }
         measured.take(&summary);
-        over_s += summary.simulated_s.max(SHORTEST_S);
+        measured.ran_s += summary.simulated_s.max(SHORTEST_S);
         if summary.outcome != Outcome::Faulted {
             break;
         }
     }
+    measured.broken_off = interrupts.is_wished();
     Ok(measured)
 }
 
@@ -235,6 +251,11 @@ mod tests {
         assert!(!measured(Outcome::Completed, &[(5, 989), (400, 11)]));
         assert!(!measured(Outcome::Faulted, &[(5, 1000)]));
         assert!(!measured(Outcome::Completed, &[]));
+        let mut broken_off = Measured { broken_off: true, ..Measured::default() };
+        broken_off.take(&summary(Outcome::Stopped, &[(5, 1000)], 5));
+        assert!(!broken_off.is_fit(500.0));
+        let machine = Machine::from_toml(machine::SMALL_LATHE).expect("a machine");
+        assert!(told(&machine, &broken_off, &[]).contains("is not known"));
     }
 
     #[test]

@@ -240,6 +240,7 @@ fn the_doctor_runs_the_machine_and_says_whether_this_computer_will_do() {
     let number = |value: &serde_json::Value| value.as_u64().expect("a number");
     let [p50, p99, max] = ["p50", "p99", "max"].map(|name| number(&told["wakeups_us"][name]));
     assert!(p50 <= p99 && p99 <= max && number(&told["wakeups"]) > 100, "{told:#}");
+    assert!(told["broken_off"] == false && told["ran_s"].as_f64().is_some_and(|ran| ran > 1.9), "{told:#}");
     // A quarter of 0.5 ms.
     let fit = number(&told["stopped"]) == 0 && p99 <= 125;
     assert_eq!((told["fit"].as_bool(), answer.status), (Some(fit), Some(i32::from(!fit))), "{told:#}");

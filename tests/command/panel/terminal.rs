@@ -339,7 +339,8 @@ fn a_panel_is_joined_by_a_terminal_and_left() {
 fn a_hold_behind_many_keys_is_taken() {
     let place = Place::new();
     let program = example("m20x2").display().to_string();
-    let panel = Panel::start(&place, &["run", &program, "--panel", "--trace", "none", "--json", "--pace", "1"]);
+    let panel =
+        Panel::start(&place, &["run", &program, "--panel", "--trace", "none", "--json", "--pace", "1"]);
     let command =
         format!("PITCHLOCK_PANEL='http://{}/#{}' pitchlock panel --join", panel.address, panel.token);
     let Some(mut pseudo) = Pseudo::run(&place, &command) else { return };
@@ -358,7 +359,8 @@ fn what_cannot_begin_in_a_terminal_is_told() {
     for (arguments, part) in [("nosuch.ngc", "nosuch.ngc"), ("--machine nosuch.toml", "nosuch.toml")] {
         for _ in 0..3 {
             let place = Place::new();
-            let Some(_pseudo) = Pseudo::run(&place, &format!("pitchlock panel --terminal {arguments}")) else {
+            let Some(_pseudo) = Pseudo::run(&place, &format!("pitchlock panel --terminal {arguments}"))
+            else {
                 return;
             };
             until("it has ended", || !text(&place, "behind").is_empty());
