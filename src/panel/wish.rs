@@ -2,6 +2,8 @@
 //! which line; or why not. Where a program begins is chosen first, and shown with all that is in force
 //! there; Start begins there if it is still so.
 
+use std::fs;
+
 use ::panel::{HandAsked, ToPanel};
 use protocol::operator::Request;
 use serde_json::{Map, Value};
@@ -32,6 +34,8 @@ pub(super) struct Begins {
     pub(super) line: Option<u32>,
     /// What was shown of it.
     shown: Value,
+    /// The program whose lines were seen beside that.
+    program: Vec<u8>,
 }
 
 impl Begins {
@@ -40,11 +44,13 @@ impl Begins {
     /// # Errors
     /// The program is not begun there, and why.
     pub(super) fn at(asked: &RunArgs, line: Option<u32>) -> Result<Begins, CliError> {
-        let shown = match line {
-            Some(_) => run::judged(&RunArgs { from: line, ..asked.clone() })?.1,
-            None => Value::Null,
-        };
-        Ok(Begins { line, shown })
+        if line.is_none() {
+            return Ok(Begins::default());
+        }
+        let shown = run::judged(&RunArgs { from: line, ..asked.clone() })?.1;
+        let program = fs::read(&asked.program)
+            .map_err(|error| CliError::Input(format!("{}: {error}", asked.program.display())))?;
+        Ok(Begins { line, shown, program })
     }
 
     /// Whether it is still what was shown.
@@ -54,8 +60,13 @@ impl Begins {
     pub(super) fn is_as_shown(&self, asked: &RunArgs) -> Result<(), CliError> {
         let now = Begins::at(asked, self.line)?;
         let line = self.line.unwrap_or_default();
-        let text = || format!("what is in force at line {line} is not what was shown: choose the line again");
-        if now.shown == self.shown { Ok(()) } else { Err(CliError::Input(text())) }
+        let text = || {
+            format!(
+                "the program, or what is in force at line {line}, is not what was shown: choose the line again"
+            )
+        };
+        let same = now.shown == self.shown && now.program == self.program;
+        if same { Ok(()) } else { Err(CliError::Input(text())) }
     }
 }
 

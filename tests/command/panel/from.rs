@@ -74,19 +74,23 @@ fn a_line_is_chosen_shown_and_begun_at_and_the_session_is_repeated() {
 /// A program that was changed meanwhile is not begun by what was shown of another one.
 #[test]
 fn a_program_that_was_changed_is_not_begun_at_a_line_that_was_chosen_before() {
-    let place = Place::new();
-    place.write("screw.ngc", PROGRAM);
-    let panel = Panel::start(&place, &["panel", "screw.ngc", "--trace", "none", "--from", "12"]);
-    panel.press("take-seat");
-    assert_eq!(panel.state()["from"]["from"], 12, "chosen by the command line");
-    place.write("screw.ngc", PROGRAM.replace("F90", "F70"));
-    panel.press("start");
-    until("it was not run", || {
-        panel.state()["words"].as_str().is_some_and(|words| words.contains("is not what was shown"))
-    });
-    let state = panel.state();
-    assert_eq!((&state["mode"], &state["from"]), (&json!("off"), &Value::Null));
-    assert!(!place.at("runs").exists(), "nothing was begun");
+    // What is in force there, and what comes behind it.
+    for changed in [PROGRAM.replace("F90", "F70"), PROGRAM.replace("M2", "G4 P0.1\nM2")] {
+        assert_ne!(changed, PROGRAM);
+        let place = Place::new();
+        place.write("screw.ngc", PROGRAM);
+        let panel = Panel::start(&place, &["panel", "screw.ngc", "--trace", "none", "--from", "12"]);
+        panel.press("take-seat");
+        assert_eq!(panel.state()["from"]["from"], 12, "chosen by the command line");
+        place.write("screw.ngc", changed);
+        panel.press("start");
+        until("it was not run", || {
+            panel.state()["words"].as_str().is_some_and(|words| words.contains("is not what was shown"))
+        });
+        let state = panel.state();
+        assert_eq!((&state["mode"], &state["from"]), (&json!("off"), &Value::Null));
+        assert!(!place.at("runs").exists(), "nothing was begun");
+    }
 }
 
 /// Without a program there is no line.
