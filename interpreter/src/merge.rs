@@ -7,14 +7,15 @@
 //! tolerance of it and further along it than the one before, the feed is the same, and no rotary axis moves.
 //! Nothing else may lie between them. Rapids are left alone.
 //!
-//! A longer line takes in a very short one that goes on as straight as rounding lets it, at either end: beside
-//! a corner the blends of both would have no room.
+//! A longer line takes in a very short one that goes on as straight as rounding lets it, at either end:
+//! beside a corner the blends of both would have no room.
 
 use protocol::{Axis, Code, Feed, Item, PathMode, PerAxis, Position, units::AXES};
 
 /// Longest line that others become, mm.
 const LONGEST_MM: f64 = 0.2;
-/// Points of a straight line, rounded to a thousandth, lie so near to it, mm: half of one on each of two axes.
+/// Points of a straight line, rounded to a thousandth, lie so near to it, mm: half of one on each of two
+/// axes.
 const ROUNDED_MM: f64 = 0.75e-3;
 /// A longer line takes in one that is so many times shorter: among lines alike, all of them stay.
 const SHORTER: f64 = 5.0;
@@ -98,8 +99,8 @@ impl Merged {
         Item { line: self.line, code: Code::Line { target: self.to, feed: self.feed } }
     }
 
-    /// Whether every end so far lies near the line to `end`, `length` mm away, each further along than the one
-    /// before.
+    /// Whether every end so far lies near the line to `end`, `length` mm away, each further along than the
+    /// one before.
     fn leads_to(&self, end: &PerAxis<Position>, length: f64, within_mm: f64) -> bool {
         let seen = |point: &PerAxis<Position>| way(&self.from, point);
         let dot = |a: &[f64; AXES], b: &[f64; AXES]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

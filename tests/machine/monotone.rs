@@ -130,7 +130,7 @@ fn sides_are_as_fast_in_parts() {
     }
 }
 
-/// A staircase is as fast, within a tenth, with points so near to its corners, before them, behind them or both.
+/// A staircase is as fast, within a tenth, with points so near to its corners, before them, behind or both.
 #[test]
 fn points_beside_corners_cost_little() {
     let place = Place::new();

@@ -1,7 +1,7 @@
 //! One WebSocket. Out: what changed, 25 times a second at most, answers, pictures of the scope. In:
 //! documents as `/api/do` takes them, and settings of the scope. One that does not read is closed, and costs
-//! nobody else anything. Documents that come faster than they are answered wait in the socket: none is lost, and
-//! a hold behind many others is taken in its turn.
+//! nobody else anything. Documents that come faster than they are answered wait in the socket: none is lost,
+//! and a hold behind many others is taken in its turn.
 
 use std::{sync::Arc, time::Duration};
 

@@ -35,8 +35,8 @@ use super::spline::{DEGREE, Knots, Row, Vector, weighted};
 
 /// R in P: what is left is for what lies between the places.
 const TUBE: f64 = 0.9;
-/// Most splines of which one is to be in the tube. As long as none is, every g is so much for the second one, and
-/// so much more for the third;
+/// Most splines of which one is to be in the tube. As long as none is, every g is so much for the second one,
+/// and so much more for the third;
 const TRIES: usize = 6;
 const NEARER: f64 = 100.0;
 /// then that of an interval in which the one before is not, and of those beside it, grows by so much times

@@ -279,7 +279,7 @@ fn a_corner_that_stands_alone_ends_a_run() {
     }
 }
 
-/// Lines of 0.1 mm with three decimals, as long as a wave, with a corner that they cut in two 0.05 mm apart: there
+/// Lines of 0.1 mm with three decimals, along a wave, with a corner that they cut in two 0.05 mm apart: there
 /// the intervals are a thirtieth of those elsewhere, and all of it is a curve.
 #[test]
 fn one_narrow_place_leaves_the_rest_a_curve() {

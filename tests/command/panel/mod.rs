@@ -2,6 +2,7 @@
 //! what a browser makes of it.
 
 mod browser;
+mod bursts;
 mod by_hand;
 mod client;
 mod figures;

@@ -200,7 +200,7 @@ fn what_is_drawn_is_what_a_run_shows() {
 }
 
 /// A shell in a pseudo-terminal, with its keyboard.
-struct Pseudo(Child);
+pub(super) struct Pseudo(Child);
 
 impl Drop for Pseudo {
     fn drop(&mut self) {
@@ -211,7 +211,7 @@ impl Drop for Pseudo {
 
 impl Pseudo {
     /// Runs a command, and keeps what was set before and behind it.
-    fn run(place: &Place, command: &str) -> Option<Pseudo> {
+    pub(super) fn run(place: &Place, command: &str) -> Option<Pseudo> {
         let there =
             Command::new("script").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if !there.is_ok_and(|status| status.success()) {
@@ -232,14 +232,14 @@ impl Pseudo {
         Some(Pseudo(script.expect("it starts")))
     }
 
-    fn types(&mut self, keys: &str) {
+    pub(super) fn types(&mut self, keys: &str) {
         let keyboard = self.0.stdin.as_mut().expect("it is piped");
         // One that has ended takes no key.
         let _ = keyboard.write_all(keys.as_bytes()).and_then(|()| keyboard.flush());
     }
 }
 
-fn text(place: &Place, name: &str) -> String {
+pub(super) fn text(place: &Place, name: &str) -> String {
     String::from_utf8_lossy(&fs::read(place.at(name)).unwrap_or_default()).into_owned()
 }
 
@@ -332,42 +332,6 @@ fn a_panel_is_joined_by_a_terminal_and_left() {
     let (status, summary) = super::watched::ended(panel);
     assert_eq!((status, summary.outcome), (Some(0), Outcome::Completed));
     assert!(!text(&place, "picture").contains("#"), "the secret is not shown");
-}
-
-/// Keys that come all at once, as when a connection was slow: the hold behind them is taken.
-#[test]
-fn a_hold_behind_many_keys_is_taken() {
-    let place = Place::new();
-    let program = example("m20x2").display().to_string();
-    let panel =
-        Panel::start(&place, &["run", &program, "--panel", "--trace", "none", "--json", "--pace", "1"]);
-    let command =
-        format!("PITCHLOCK_PANEL='http://{}/#{}' pitchlock panel --join", panel.address, panel.token);
-    let Some(mut pseudo) = Pseudo::run(&place, &command) else { return };
-    until("it is drawn", || text(&place, "picture").contains("live"));
-    pseudo.types("k");
-    until("the seat is taken", || panel.state()["seat"].is_string());
-    pseudo.types(&("b".repeat(60) + " "));
-    until("it is held", || panel.state()["held"] == true);
-    pseudo.types("q");
-    until("it is left", || !text(&place, "behind").is_empty());
-}
-
-/// A panel that cannot begin says why in the terminal, with the status that it has elsewhere.
-#[test]
-fn what_cannot_begin_in_a_terminal_is_told() {
-    for (arguments, part) in [("nosuch.ngc", "nosuch.ngc"), ("--machine nosuch.toml", "nosuch.toml")] {
-        for _ in 0..3 {
-            let place = Place::new();
-            let Some(_pseudo) = Pseudo::run(&place, &format!("pitchlock panel --terminal {arguments}"))
-            else {
-                return;
-            };
-            until("it has ended", || !text(&place, "behind").is_empty());
-            let said = text(&place, "picture");
-            assert!(text(&place, "status").trim() == "2" && said.contains(part), "{arguments}: {said}");
-        }
-    }
 }
 
 /// Without a terminal it says so, and what else there is.
