@@ -53,7 +53,7 @@ impl FromStr for At {
 pub struct Client(WebSocket<TcpStream>);
 
 impl Client {
-    /// Connects; takes as long as the panel does, [`PATIENCE`] for each step at most.
+    /// Connects; takes as long as the panel does, 3 s for each step at most.
     ///
     /// # Errors
     /// Nobody is there, or lets nobody in by this secret.
