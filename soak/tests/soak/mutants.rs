@@ -97,7 +97,8 @@ impl Blind {
             }
             // Drives that are not in operation yet stay so: nothing has been switched on.
             Row::SilentRegulators => {
-                for axis in measurement.axes.iter_mut().filter(|axis| axis.status_word & FAULTY != 0) {
+                let tells = FAULTY | u32::from(StatusWord::LATE);
+                for axis in measurement.axes.iter_mut().filter(|axis| axis.status_word & tells != 0) {
                     axis.status_word = ENABLED;
                 }
             }
