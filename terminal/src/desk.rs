@@ -120,14 +120,8 @@ impl Desk {
     }
 
     fn answered(&mut self, news: &Map<String, Value>) {
-        let asked = news["id"].as_u64().and_then(|id| self.waits.remove(&id));
-        let why = news.get("why").and_then(Value::as_str);
-        let Some(what) = asked else {
-            // A refusal of nobody knows what is told, too.
-            self.said = why.map_or_else(|| self.said.clone(), |why| (true, plain(why)));
-            return;
-        };
-        if let Some(why) = why {
+        let Some(what) = news["id"].as_u64().and_then(|id| self.waits.remove(&id)) else { return };
+        if let Some(why) = news.get("why").and_then(Value::as_str) {
             if what.starts_with("jog") {
                 self.jog.forget();
             }
