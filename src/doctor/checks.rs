@@ -6,15 +6,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use process::ipc::computer;
+use process::ipc::{Process, computer, real_time};
 use serde::Serialize;
 
 /// A processor that takes no longer than this to wake is awake enough, µs.
 const WAKES_US: u64 = 10;
 /// Share of the time that real-time processes have to have.
 const SHARE: f64 = 0.9;
-/// Highest priority of the machine's processes (`process/src/ipc/real_time.rs`).
-const PRIORITY: u64 = 80;
 /// Capabilities, by their bits: to lock memory, to raise priorities.
 const IPC_LOCK: u64 = 1 << 14;
 const SYS_NICE: u64 = 1 << 23;
@@ -197,7 +195,9 @@ impl System<'_> {
 
     fn rtprio(&self) -> Check {
         let (soft, lifted) = self.limit("Max realtime priority", SYS_NICE);
-        let enough = soft.parse::<u64>().map_or(soft == "unlimited", |most| most >= PRIORITY);
+        // Whoever beats the time has the highest.
+        let highest = real_time::priority(Process::Plant).unwrap_or_default();
+        let enough = soft.parse::<u32>().map_or(soft == "unlimited", |most| most >= highest);
         let found = if lifted { "lifted for this user".into() } else { soft };
         let remedy = "ulimit -r 99 (rtprio in /etc/security/limits.conf)";
         check("limit of real-time priority", lifted || enough, found, remedy)
