@@ -242,8 +242,8 @@ fn a_regulator_that_hangs_is_not_missed_once_its_axis_is_there() {
     for event in (ends - 20..ends).map(frozen) {
         assert_eq!(name(judged(&thread, &[event], &[event], Straight)), None, "{event:?}");
     }
-    // Nobody is shown that it hangs on its way.
-    let early = frozen(ends - 60);
+    // Nobody is shown that it hangs on its way: its drive goes on for twelve cycles by itself.
+    let early = frozen(ends - 70);
     let hidden = Blind::new(Row::SilentRegulators, 1.0);
     assert_eq!(name(judged(&thread, &[early], &[early], hidden)), Some("untrue"));
 }
