@@ -59,8 +59,8 @@ pub(crate) struct PanelCommandArgs {
     #[arg(long)]
     pub(crate) terminal: bool,
     /// Show a panel that others have started in this terminal. Its address with the secret is asked for, or
-    /// taken from PITCHLOCK_PANEL.
-    #[arg(long, conflicts_with = "terminal")]
+    /// taken from PITCHLOCK_PANEL. What it runs is said where it was started: nothing else goes with it.
+    #[arg(long, exclusive = true)]
     pub(crate) join: bool,
     /// As a terminal starts it.
     #[arg(long, hide = true)]

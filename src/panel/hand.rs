@@ -180,8 +180,8 @@ impl Hand {
 
     /// A block, read by the interpreter of programs.
     fn block(&mut self, text: &str, at: &PerAxis<Position>) -> Result<Given, String> {
-        if text.contains('%') {
-            return Err("% is of programs: leave it out".into());
+        if text.lines().any(has_tape_mark) {
+            return Err("a % stands before and behind a program, and a block has none: leave it out".into());
         }
         let items = self.reader.block(text, at).map_err(|errors| {
             let told = errors.iter().map(|error| match error.help.as_str() {
@@ -285,6 +285,16 @@ impl Hand {
         let words: Vec<_> = sets.iter().map(word).collect::<Result<_, _>>()?;
         Ok(format!("{head} {}", words.join(" ")))
     }
+}
+
+/// Whether a line has a % outside of comments.
+fn has_tape_mark(line: &str) -> bool {
+    let mut in_comment = false;
+    let words = line.split(';').next().unwrap_or_default();
+    words.chars().any(|letter| {
+        in_comment = letter == '(' || in_comment && letter != ')';
+        letter == '%' && !in_comment
+    })
 }
 
 /// A number of a block, to a millionth of a micrometre.

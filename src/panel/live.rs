@@ -326,7 +326,8 @@ impl Live {
         let last = std::mem::take(&mut self.last).into_iter();
         self.still.extend(last.filter(|(name, _)| name != "state" && name != "words"));
         self.stands(fields(
-            &json!({ "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null, "from": null }),
+            &json!({ "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null, "from": null,
+                "state": "ended", "words": "the run is over" }),
         ));
         self.look();
         let path = folder.join(PRESSES);

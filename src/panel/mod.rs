@@ -46,6 +46,7 @@ pub(crate) use args::{HELP, PanelArgs, PanelCommandArgs};
 use known::{Known, MOST_TEXT, Shown, machine_seen, stays};
 pub(crate) use live::Live;
 use live::fields;
+use mode::Mode;
 pub(crate) use session::Who;
 
 use crate::{
@@ -87,6 +88,8 @@ impl Live {
     /// Shows a run that is about to begin.
     pub(crate) fn prepared(&mut self, setup: &run::Setup) -> Result<(), CliError> {
         self.begins_by_hand(setup)?;
+        // What is pressed before the first cycle meets a machine that is on.
+        self.mode = if setup.by_hand { Mode::Mdi } else { Mode::Auto };
         let run = Shown::begins(setup);
         let (program, machine) = stays(&run, &setup.program.observer(&setup.machine));
         self.rows = Rows::of(&setup.machine);

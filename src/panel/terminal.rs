@@ -47,9 +47,14 @@ pub(super) fn terminal(args: &PanelCommandArgs) -> Result<ExitCode, CliError> {
         let text = "--terminal and --join need a terminal for keys and picture: without them the panel is for browsers";
         return Err(CliError::Input(text.into()));
     }
+    if std::env::var_os("TERM").is_some_and(|name| name == "dumb") {
+        let text = "TERM=dumb is a terminal whose cursor does not move: set TERM to what it is, as xterm, or leave out --terminal and open the panel in a browser";
+        return Err(CliError::Input(text.into()));
+    }
     let mut interrupts = Interrupts::catch()?;
     if args.join {
-        return joined(&asked_for()?, &mut interrupts);
+        let at = asked_for(&mut interrupts)?;
+        return at.map_or(Ok(ExitCode::SUCCESS), |at| joined(&at, &mut interrupts));
     }
     let mut launcher = Launcher::start().map_err(|error| CliError::Machine(format!("the panel: {error}")))?;
     let shown = match launcher.place() {
@@ -61,19 +66,25 @@ pub(super) fn terminal(args: &PanelCommandArgs) -> Result<ExitCode, CliError> {
     shown.map(|()| status)
 }
 
-/// Where the panel is that is joined: no command line has its secret, which others of this computer could
-/// read.
-fn asked_for() -> Result<At, CliError> {
+/// Where the panel is that is joined, unless somebody ends that: no command line has its secret, which
+/// others of this computer could read.
+fn asked_for(interrupts: &mut Interrupts) -> Result<Option<At>, CliError> {
     let wrong = |why: String| CliError::Input(why);
     if let Some(text) = std::env::var_os(WHERE) {
         let at = text.to_string_lossy().parse::<At>();
-        return at.map_err(|why| wrong(format!("{WHERE} {why}")));
+        return at.map(Some).map_err(|why| wrong(format!("{WHERE} {why}")));
     }
-    words::say("address of the panel, as it was printed: ");
-    let mut line = String::new();
-    std::io::stdin().read_line(&mut line).map_err(|error| wrong(error.to_string()))?;
-    line.parse::<At>()
-        .map_err(|why| wrong(format!("{:?} {why}", line.trim().split('#').next().unwrap_or_default())))
+    let asks = "address of the panel, as it was printed; what stands behind # is not shown: ";
+    let typed = terminal::secret(asks, || interrupts.is_wished()).map_err(gone)?;
+    let at = typed.map(|line| {
+        let shown = line.trim().split('#').next().unwrap_or_default().to_owned();
+        line.parse::<At>().map_err(|why| wrong(format!("{shown:?} {why}")))
+    });
+    at.transpose()
+}
+
+fn gone(error: std::io::Error) -> CliError {
+    CliError::Machine(format!("the terminal: {error}"))
 }
 
 /// Somebody looks at a panel that others have begun.
@@ -87,7 +98,6 @@ fn joined(at: &At, interrupts: &mut Interrupts) -> Result<ExitCode, CliError> {
 /// Shows it until somebody leaves, or the panel that was begun here ends.
 fn shown(at: &At, mut launcher: Option<&mut Launcher>, interrupts: &mut Interrupts) -> Result<(), CliError> {
     let begun = Moment::now();
-    let gone = |error: std::io::Error| CliError::Machine(format!("the terminal: {error}"));
     let mut desk = Desk::new(&format!("terminal-{}", std::process::id()), launcher.is_some());
     let mut wire = Wire { at: at.clone(), client: None, tried: None };
     let mut screen = Screen::take().map_err(gone)?;
@@ -104,7 +114,7 @@ fn shown(at: &At, mut launcher: Option<&mut Launcher>, interrupts: &mut Interrup
         }
         wire.hears(&mut desk);
         if drawn.is_none_or(|drawn| drawn.elapsed() >= DRAWN) {
-            screen.draw(&desk).map_err(gone)?;
+            screen.draw(&mut desk).map_err(gone)?;
             drawn = Some(Moment::now());
         }
         let act = match screen.key(LOOK).map_err(gone)? {

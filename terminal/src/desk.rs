@@ -3,22 +3,31 @@
 
 use std::{collections::BTreeMap, time::Duration};
 
-use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use ratatui::{
+    crossterm::event::{KeyEvent, KeyEventKind},
+    layout::Size,
+};
 use serde_json::{Map, Value, json};
 
 use crate::{
     jog::{Asks, Jog, Way},
-    keys::{self, Does},
+    keys::{self, Does, Key},
+    typing::{Line, Typing},
+    wanted::Wanted,
 };
 
-/// Most characters that are typed: those of a block.
-const LONGEST: usize = 512;
+/// The smallest terminal that it is drawn on: columns, rows.
+pub(crate) const SMALLEST: [u16; 2] = [72, 20];
 /// Lengths of a step, mm; 0: a jog as long as the key is pressed.
 const STEPS: [f64; 6] = [0.0, 0.001, 0.01, 0.1, 1.0, 10.0];
-/// Feeds of jogs, mm/min.
-const FEEDS: [f64; 2] = [1.0, 100_000.0];
+/// Slowest feed of jogs that keys choose, mm/min.
+const SLOWEST: f64 = 1.0;
+/// A value that is wanted: whether this one holds the keys.
+const SEAT: &str = "seat";
 /// Modes in which nothing goes on.
 const OFF: [&str; 2] = ["off", "playback"];
+/// What somebody may want of a machine that he does not see.
+const UNSEEN: [&str; 4] = ["hold", "stop", "abort", "emergency-stop"];
 
 /// What a key leads to beside requests.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,13 +38,6 @@ pub enum Act {
     Leave,
     /// What was begun here is to end, whatever it does.
     End,
-}
-
-/// What is typed.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Line {
-    pub(crate) is_block: bool,
-    pub(crate) text: String,
 }
 
 /// What is seen and typed.
@@ -50,14 +52,20 @@ pub struct Desk {
     gone: Option<String>,
     asked: u64,
     waits: BTreeMap<u64, String>,
+    wanted: Wanted,
+    is_small: bool,
     said: (bool, String),
-    line: Option<Line>,
-    before: String,
+    typing: Typing,
     jog: Jog,
     step: usize,
     feed: f64,
     of_machine: bool,
     out: Vec<Value>,
+}
+
+/// Whether too little can be seen on a terminal of this size.
+pub(crate) fn is_small(size: Size) -> bool {
+    size.width < SMALLEST[0] || size.height < SMALLEST[1]
 }
 
 /// Text without what would move a cursor.
@@ -76,9 +84,10 @@ impl Desk {
             gone: Some("connecting".into()),
             asked: 0,
             waits: BTreeMap::new(),
+            wanted: Wanted::default(),
+            is_small: false,
             said: (false, String::new()),
-            line: None,
-            before: String::new(),
+            typing: Typing::default(),
             jog: Jog::default(),
             step: 0,
             feed: 600.0,
@@ -96,7 +105,17 @@ impl Desk {
     pub fn gone(&mut self, why: &str) {
         self.gone = Some(plain(why));
         self.waits.clear();
+        self.wanted.forget();
         self.jog.forget();
+    }
+
+    /// It is drawn on a terminal of this size.
+    pub fn is_drawn_on(&mut self, size: Size) {
+        self.is_small = is_small(size);
+        if self.is_small {
+            // What is typed would not be seen.
+            self.typing.forget();
+        }
     }
 
     /// Something is told by others than the panel.
@@ -117,10 +136,14 @@ impl Desk {
             self.program = program["text"].as_str().unwrap_or_default().lines().map(plain).collect();
         }
         self.state.extend(news);
+        let is_off = OFF.contains(&self.mode());
+        self.wanted.shown(self.field("cycle").as_u64().unwrap_or_default(), is_off);
     }
 
     fn answered(&mut self, news: &Map<String, Value>) {
-        let Some(what) = news["id"].as_u64().and_then(|id| self.waits.remove(&id)) else { return };
+        let Some(id) = news["id"].as_u64() else { return };
+        let Some(what) = self.waits.remove(&id) else { return };
+        self.wanted.answered(id, news.get("cycle").and_then(Value::as_u64));
         if let Some(why) = news.get("why").and_then(Value::as_str) {
             if what.starts_with("jog") {
                 self.jog.forget();
@@ -138,11 +161,24 @@ impl Desk {
             return Act::Stay;
         }
         let key = keys::of(event);
-        if self.line.is_some() && key.is_none_or(|key| key.does != Does::End) {
-            self.types(event);
+        if self.typing.line().is_some() && key.is_none_or(|key| key.does != Does::End) {
+            if let Some((word, value)) = self.typing.key(event) {
+                self.ask(&word, value);
+            }
             return Act::Stay;
         }
-        key.map_or(Act::Stay, |key| self.does(key.does, now))
+        let Some(Key { does, .. }) = key else { return Act::Stay };
+        let unseen = match does {
+            Does::Ask(word) => UNSEEN.contains(word),
+            does => matches!(does, Does::Leave | Does::End),
+        };
+        if self.is_small && !unseen {
+            let [width, height] = SMALLEST;
+            let text = format!("this key acts where the machine is seen, on {width} by {height} characters");
+            self.said = (true, text);
+            return Act::Stay;
+        }
+        self.does(*does, now)
     }
 
     /// Time goes by.
@@ -180,24 +216,32 @@ impl Desk {
         match does {
             Does::Ask(word) => self.ask(word, Value::Null),
             Does::Switch(word, field) => {
-                let on = self.field(field).as_bool().unwrap_or_default();
-                self.ask(word, json!(!on));
+                let on = self.wanted.value(word).unwrap_or(self.field(field)).as_bool().unwrap_or_default();
+                self.turns(word, json!(!on));
             }
             Does::Turn(word, field, more, highest) => {
-                let now = self.field("knobs")[field].as_f64().unwrap_or(100.0);
-                self.ask(word, json!((now + more).clamp(0.0, highest)));
+                let shown = &self.field("knobs")[field];
+                let now = self.wanted.value(word).unwrap_or(shown).as_f64().unwrap_or(100.0);
+                self.turns(word, json!((now + more).clamp(0.0, highest)));
             }
-            Does::Seat => self.ask(if self.holds() { "leave-seat" } else { "take-seat" }, Value::Null),
+            Does::Seat => {
+                let holds = self.wanted.value(SEAT).map_or(self.holds(), |holds| *holds == true);
+                self.ask(if holds { "leave-seat" } else { "take-seat" }, Value::Null);
+                self.wants(SEAT, json!(!holds));
+            }
             Does::ToolIn => self.ask("tool-change", self.field("tool").clone()),
             Does::Play => {
-                let plays = self.field("playback")["speed"].as_f64() != Some(0.0);
-                self.ask("play", json!(if plays { 0.0 } else { 1.0 }));
+                let shown = &self.field("playback")["speed"];
+                let plays = self.wanted.value("play").unwrap_or(shown).as_f64() != Some(0.0);
+                self.turns("play", json!(if plays { 0.0 } else { 1.0 }));
             }
             Does::Jog(key, positive) => self.moves(key, positive, now),
             Does::Step => self.step = (self.step + 1) % STEPS.len(),
-            Does::Feed(factor) => self.feed = (self.feed * factor).clamp(FEEDS[0], FEEDS[1]),
-            Does::Block => self.line = Some(Line { is_block: true, text: String::new() }),
-            Does::Order => self.line = Some(Line { is_block: false, text: String::new() }),
+            Does::Feed(factor) => {
+                self.feed = (self.feed * factor).clamp(SLOWEST, self.fastest().max(SLOWEST))
+            }
+            Does::Block => self.typing.begins(true),
+            Does::Order => self.typing.begins(false),
             Does::Frame => self.of_machine = !self.of_machine,
             Does::Leave if self.begun_here && self.gone.is_none() && !OFF.contains(&self.mode()) => {
                 let text =
@@ -208,6 +252,18 @@ impl Desk {
             Does::End => return Act::End,
         }
         Act::Stay
+    }
+
+    /// Asks for a value that the next key may count from.
+    fn turns(&mut self, word: &str, value: Value) {
+        self.ask(word, value.clone());
+        self.wants(word, value);
+    }
+
+    fn wants(&mut self, word: &str, value: Value) {
+        if self.gone.is_none() {
+            self.wanted.asked(word, self.asked, value);
+        }
     }
 
     /// The key of an axis: a step, or a jog as long as it is pressed.
@@ -231,7 +287,7 @@ impl Desk {
     fn jogs(&mut self, asks: Asks) {
         match asks {
             Asks::Begin(Way { axis, positive }) => {
-                let feed = self.feed.min(self.fastest(&axis));
+                let feed = self.feed.min(self.fastest_of(&axis));
                 let way = if positive { "+" } else { "-" };
                 self.ask("jog", json!({ "axis": axis, "mm_min": feed, "way": way }));
             }
@@ -240,48 +296,17 @@ impl Desk {
         }
     }
 
+    /// The fastest jog of any axis, mm/min; that of no axis is known: any.
+    fn fastest(&self) -> f64 {
+        let known = self.field("machine")["fastest_jog"].as_array().into_iter().flatten();
+        known.filter_map(Value::as_f64).reduce(f64::max).unwrap_or(f64::MAX)
+    }
+
     /// The fastest jog of an axis, mm/min.
-    fn fastest(&self, axis: &str) -> f64 {
+    fn fastest_of(&self, axis: &str) -> f64 {
         let machine = self.field("machine");
         let at = machine["axes"].as_array().and_then(|axes| axes.iter().position(|name| name == axis));
         at.and_then(|at| machine["fastest_jog"][at].as_f64()).unwrap_or(f64::MAX)
-    }
-
-    /// A key while a line is typed.
-    fn types(&mut self, event: &KeyEvent) {
-        let Some(line) = &mut self.line else { return };
-        match event.code {
-            KeyCode::Esc => self.line = None,
-            KeyCode::Backspace => drop(line.text.pop()),
-            KeyCode::Up => line.text.clone_from(&self.before),
-            KeyCode::Char(letter)
-                if !event.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT)
-                    && line.text.chars().count() < LONGEST =>
-            {
-                line.text.push(letter);
-            }
-            KeyCode::Enter if line.text.trim().is_empty() => self.line = None,
-            KeyCode::Enter => {
-                let Line { is_block, text } = line.clone();
-                line.text.clear();
-                self.before.clone_from(&text);
-                match text.trim().split_once(' ') {
-                    _ if is_block => self.ask("mdi", json!(text.trim())),
-                    None => self.order(text.trim(), Value::Null),
-                    // A value is JSON, or else a text as it stands.
-                    Some((word, value)) => {
-                        let value = serde_json::from_str(value).unwrap_or_else(|_| json!(value.trim()));
-                        self.order(word, value);
-                    }
-                }
-            }
-            _ => {}
-        }
-    }
-
-    fn order(&mut self, word: &str, value: Value) {
-        self.line = None;
-        self.ask(word, value);
     }
 }
 
@@ -328,7 +353,7 @@ impl Desk {
     }
 
     pub(crate) fn line(&self) -> Option<&Line> {
-        self.line.as_ref()
+        self.typing.line()
     }
 
     pub(crate) fn is_of_machine(&self) -> bool {
@@ -338,7 +363,7 @@ impl Desk {
     /// What the keys of axes do.
     pub(crate) fn jog_words(&self) -> String {
         match STEPS[self.step] {
-            0.0 => format!("jog while pressed, {} mm/min", self.feed),
+            0.0 => format!("jog while pressed, {} mm/min", self.feed.min(self.fastest())),
             step => format!("steps of {step} mm, {} mm/min", self.feed),
         }
     }

@@ -6,17 +6,15 @@ use ratatui::{
     layout::{Constraint, Layout, Position, Rect},
     style::{Color, Modifier, Style},
     text::{Line, Span},
-    widgets::Paragraph,
+    widgets::{Paragraph, Wrap},
 };
 use serde_json::Value;
 
 use crate::{
-    desk::{Desk, plain},
+    desk::{Desk, SMALLEST, is_small, plain},
     keys::{Does, KEYS},
 };
 
-/// The smallest terminal that it is drawn on: columns, rows.
-const SMALLEST: [u16; 2] = [72, 20];
 /// Columns of positions and passes.
 const LEFT: u16 = 54;
 /// Most rows of faults and messages.
@@ -33,9 +31,11 @@ fn coloured(colour: Color) -> Style {
 /// Draws all of it.
 pub fn draw(frame: &mut Frame, desk: &Desk) {
     let area = frame.area();
-    if area.width < SMALLEST[0] || area.height < SMALLEST[1] {
-        let text = format!("{} by {} characters at least; {}", SMALLEST[0], SMALLEST[1], desk.text("words"));
-        return frame.render_widget(Paragraph::new(text), area);
+    if is_small(area.as_size()) {
+        let [width, height] = SMALLEST;
+        let need = format!("{width} by {height} characters at least; {}", desk.text("words"));
+        let rows = vec![Line::from(need), Line::styled(desk.said().1.to_owned(), BOLD)];
+        return frame.render_widget(Paragraph::new(rows).wrap(Wrap { trim: true }), area);
     }
     let (keys, told) = (keys(desk, area.width), messages(desk));
     let rows = [

@@ -1,7 +1,7 @@
 //! The panel in a terminal: a client of the panel's own API, as anybody could write one. In: what the server
 //! sends, keys, the time since the client began. Out: requests, a picture in characters.
 //!
-//! Nothing here reads a clock, and only [`Screen`] and [`Client`] touch the world.
+//! Nothing here reads a clock, and only [`Screen`], [`secret`] and [`Client`] touch the world.
 
 mod client;
 mod desk;
@@ -9,6 +9,9 @@ mod draw;
 mod jog;
 mod keys;
 mod screen;
+mod secret;
+mod typing;
+mod wanted;
 
 pub use client::{At, Client};
 pub use desk::{Act, Desk};
@@ -16,3 +19,4 @@ pub use draw::draw;
 pub use jog::{Asks, BEAT, Jog, REPEATS, SILENT, Way};
 pub use keys::{Does, KEYS, Key};
 pub use screen::Screen;
+pub use secret::secret;

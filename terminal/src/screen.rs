@@ -2,6 +2,7 @@
 
 use std::{
     io,
+    mem::ManuallyDrop,
     sync::mpsc::{Receiver, RecvTimeoutError, channel},
     thread::Builder,
     time::Duration,
@@ -17,14 +18,17 @@ use crate::{desk::Desk, draw::draw};
 /// A terminal that is taken.
 #[derive(Debug)]
 pub struct Screen {
-    terminal: DefaultTerminal,
+    terminal: ManuallyDrop<DefaultTerminal>,
     keys: Receiver<KeyEvent>,
 }
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // One that is gone cannot be given back.
-        let _ = ratatui::try_restore();
+        // One that is gone cannot be given back. Ratatui would tell so on a standard error that is gone as
+        // well, and a panic in a drop is the end of the process: so it is never dropped.
+        if self.terminal.show_cursor().is_ok() {
+            let _ = ratatui::try_restore();
+        }
     }
 }
 
@@ -36,7 +40,7 @@ impl Screen {
     /// This is no terminal, it is gone, or there is no thread to spare.
     pub fn take() -> io::Result<Screen> {
         let (tells, keys) = channel();
-        let screen = Screen { terminal: ratatui::try_init()?, keys };
+        let screen = Screen { terminal: ManuallyDrop::new(ratatui::try_init()?), keys };
         let reads = move || {
             while let Ok(event) = event::read() {
                 let Event::Key(key) = event else { continue };
@@ -53,8 +57,12 @@ impl Screen {
     ///
     /// # Errors
     /// The terminal is gone.
-    pub fn draw(&mut self, desk: &Desk) -> io::Result<()> {
-        self.terminal.draw(|frame| draw(frame, desk)).map(drop)
+    pub fn draw(&mut self, desk: &mut Desk) -> io::Result<()> {
+        let drawn = self.terminal.draw(|frame| {
+            desk.is_drawn_on(frame.area().as_size());
+            draw(frame, desk);
+        });
+        drawn.map(drop)
     }
 
     /// The next key, waited for at most so long.

@@ -70,7 +70,7 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
     };
     near(stands(&panel), [x - 0.001, z - 12.5]);
     // A block goes from where the jogs have led.
-    does(&panel, "mdi", "G91 G0 Z-1.5");
+    does(&panel, "mdi", "(50 % of 3) G91 G0 Z-1.5 ; 100 %");
     near(stands(&panel), [x - 0.001, z - 14.0]);
     assert!(panel.state()["by_hand"]["in_force"].as_str().is_some_and(|words| words.contains("G91")));
     // Touching off: here X is 20 in diameter, and a block that says so goes nowhere; one to 30 goes 5 mm.
@@ -87,7 +87,7 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
     let before = panel.state()["by_hand"]["in_force"].clone();
     for (word, value, code, why) in [
         ("mdi", json!("G1 X"), "bad-block", "a value is missing"),
-        ("mdi", json!("%\nG0 X0"), "bad-block", "leave it out"),
+        ("mdi", json!("(50 %)\n%\nG0 X0"), "bad-block", "a % stands before and behind a program"),
         ("mdi", json!("G0 Z-1\nG0 Z-1000000"), "bad-block", "travel"),
         ("mdi", json!("G91 G1 Z1 F0"), "bad-block", "F is 0"),
         ("mdi", json!("G33 Z-20 K2"), "bad-block", "spindle"),

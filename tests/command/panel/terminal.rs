@@ -21,7 +21,7 @@ use super::client::Panel;
 use crate::shop::{Place, example, project, until};
 
 /// A desk that sees a state.
-fn desk(state: Value) -> Desk {
+pub(super) fn desk(state: Value) -> Desk {
     let mut desk = Desk::new("terminal-1", false);
     desk.connected();
     desk.hears(state);
@@ -29,14 +29,14 @@ fn desk(state: Value) -> Desk {
 }
 
 /// What is drawn, row by row.
-fn drawn(desk: &Desk, width: u16, height: u16) -> Vec<String> {
+pub(super) fn drawn(desk: &Desk, width: u16, height: u16) -> Vec<String> {
     let mut screen = Terminal::new(TestBackend::new(width, height)).expect("it needs no terminal");
     screen.draw(|frame| terminal::draw(frame, desk)).expect("it is drawn");
     let cells = screen.backend().buffer().content().chunks(usize::from(width));
     cells.map(|row| row.iter().map(|cell| cell.symbol()).collect::<String>().trim_end().to_owned()).collect()
 }
 
-fn press(desk: &mut Desk, code: KeyCode, ms: u64) -> Act {
+pub(super) fn press(desk: &mut Desk, code: KeyCode, ms: u64) -> Act {
     let modifiers = if code == KeyCode::Char('c') { KeyModifiers::CONTROL } else { KeyModifiers::NONE };
     desk.key(&KeyEvent::new(code, modifiers), Duration::from_millis(ms))
 }
@@ -48,7 +48,7 @@ fn types(desk: &mut Desk, text: &str) {
     press(desk, KeyCode::Enter, 0);
 }
 
-fn ready() -> Value {
+pub(super) fn ready() -> Value {
     json!({ "mode": "ready", "seat": "somebody", "tool": 3, "single_block": false, "optional_stop": true,
         "knobs": { "spindle_pct": 100.0, "feed_pct": 195.0, "rapid_pct": 5.0 }, "playback": { "speed": 1.0 },
         "machine": { "kinematics": "lathe", "axes": ["X", "Z"], "fastest_jog": [480.0, 500.0] } })
@@ -191,6 +191,7 @@ fn what_is_drawn_is_what_a_run_shows() {
         seen = panel.state();
         seen["mode"] == "off"
     });
+    assert!(["ended", "ready"].contains(&seen["state"].as_str().expect("a state")), "not what was before");
     let rows = drawn(&desk(seen.clone()), 110, 34).join("\n");
     let fault = &seen["faults"][0];
     assert!(rows.contains(&format!("{}: ", fault["code"].as_str().expect("a code"))), "{rows}");
@@ -343,6 +344,9 @@ fn what_is_no_terminal_is_told() {
         (&["panel", "--join"][..], "need a terminal"),
         (&["panel", "--terminal", "--json"][..], "leave it out"),
         (&["panel", "--terminal", "--join"][..], "cannot be used with"),
+        (&["panel", "--join", "part.ngc"][..], "cannot be used with"),
+        (&["panel", "--join", "--pace", "2"][..], "cannot be used with"),
+        (&["panel", "--port", "7000", "--join"][..], "cannot be used with"),
     ] {
         let answer = place.ask(arguments);
         assert!(answer.status == Some(2) && answer.stderr.contains(part), "{arguments:?}: {}", answer.stderr);
