@@ -4,10 +4,12 @@
 use std::{
     fs,
     net::TcpStream,
+    path::Path,
     process::{Child, Command, Stdio},
     time::Duration,
 };
 
+use base64::{Engine as _, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
 
 use super::client::{Panel, Socket};
@@ -42,7 +44,8 @@ impl Browser {
         };
         let profile = place.at(&format!("browser-{width}"));
         let process = Command::new(name)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0"])
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"])
+            .arg("--remote-debugging-port=0")
             .arg(format!("--user-data-dir={}", profile.display()))
             .arg(format!("--window-size={width},900"))
             .arg(url)
@@ -105,13 +108,21 @@ impl Browser {
         until(&format!("{id} says {part}"), || self.text(id).contains(part));
     }
 
-    /// Keeps a picture where `PITCHLOCK_PICTURES` names a folder.
-    pub(super) fn picture(&mut self, name: &str) {
+    /// Keeps a picture of what lies from the first to the last of these elements, where `PITCHLOCK_PICTURES`
+    /// names a folder.
+    pub(super) fn picture(&mut self, name: &str, elements: &str) {
         let Some(folder) = std::env::var_os("PITCHLOCK_PICTURES") else { return };
-        let answer = self.tell("Page.captureScreenshot", &json!({ "captureBeyondViewport": true }));
+        let clip = self.value(&format!(
+            "(all => {{ const x = Math.min(...all.map(r => r.left)) + scrollX, y = Math.min(...all.map(r => r.top)) + scrollY;
+            return {{ x, y, width: Math.max(...all.map(r => r.right)) + scrollX - x,
+                height: Math.max(...all.map(r => r.bottom)) + scrollY - y, scale: 1 }}; }})
+            ([...document.querySelectorAll('{elements}')].map(one => one.getBoundingClientRect()))"
+        ));
+        let how = json!({ "format": "webp", "quality": 36, "clip": clip, "captureBeyondViewport": true });
+        let answer = self.tell("Page.captureScreenshot", &how);
         let text = answer["result"]["data"].as_str().expect("a picture");
-        fs::write(std::path::Path::new(&folder).join(format!("{name}.base64")), text)
-            .expect("room for a picture");
+        let bytes = STANDARD.decode(text).expect("base64");
+        fs::write(Path::new(&folder).join(format!("{name}.webp")), bytes).expect("room for a picture");
     }
 }
 
@@ -161,7 +172,7 @@ fn a_browser_shows_the_machine_and_presses() {
     assert_eq!(browser.value("document.querySelector('#text .now b').textContent"), "28", "the running line");
     browser.click("[data-do=hold]");
     browser.until_text("words", "held");
-    browser.picture("panel-wide");
+    browser.picture("panel", "header, main");
     let drawn = "(c => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(p => p))(document.querySelector('canvas'))";
     assert_eq!(browser.value(drawn), true, "the view is drawn");
     assert_eq!(browser.value(FITS), true);
@@ -178,7 +189,7 @@ fn a_browser_shows_the_machine_and_presses() {
     assert_eq!((small.value("window.innerWidth"), small.value(FITS)), (json!(360), json!(true)));
     let low = "[...document.querySelectorAll('.keys button')].every(key => key.offsetHeight >= 44)";
     assert_eq!(small.value(low), true, "a finger hits every key");
-    small.picture("panel-small");
+    small.picture("panel-telephone", "header, .state, .keys, .readout");
     small.click("[data-do=start]");
     small.until_text("said", "start: in cycle");
     small.click("[data-do=stop]");
@@ -217,7 +228,7 @@ fn a_browser_works_by_hand() {
     browser.value("document.getElementById('step').value = ''");
     browser.value("document.getElementById('jog-Z-minus').dispatchEvent(new PointerEvent('pointerdown'))");
     until("Z goes", || z(&panel) < begun - 21.0);
-    browser.picture("panel-jog");
+    browser.picture("panel-by-hand", ".state, .hand");
     browser.value("document.getElementById('jog-Z-minus').dispatchEvent(new PointerEvent('pointerup'))");
     browser.until_text("mode", "ready");
     let stands = z(&panel);
@@ -266,14 +277,13 @@ fn a_browser_corrects_a_tool() {
     browser.until_text("tools", "-0.2500");
     let kept = fs::read_to_string(place.at("tool.tbl")).expect("a table");
     assert!(kept.contains("T3 P3 X-0.125 Z0.2 ;threading"), "{kept}");
-    browser.picture("panel-tools");
+    browser.picture("panel-offsets", ".offsets");
     assert_eq!(browser.value(FITS), true);
     browser.click("[data-do=start]");
     browser.until_text("words", "completed");
     let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
     browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
     assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
-    browser.picture("panel-tools-small");
 }
 
 /// A recording in the page: marked as one, without keys; played, paused, stepped, led to a time.
@@ -303,7 +313,7 @@ fn a_browser_plays_a_recording() {
     browser.until_text("playback", &format!("{time} of"));
     browser.until_text("words", "pass 2");
     assert_eq!(browser.value(FITS), true);
-    browser.picture("panel-playback");
+    browser.picture("panel-playback", ".state, .player");
     browser.value("document.getElementById('speed').value = '1000'");
     browser.click("#play");
     browser.until_text("words", "over");
@@ -312,7 +322,6 @@ fn a_browser_plays_a_recording() {
     let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
     browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
     assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
-    browser.picture("panel-playback-small");
 }
 
 /// The scope of a recording in the page: triggered by the index, cursors with their differences, passes over
@@ -337,6 +346,7 @@ fn a_browser_has_a_scope() {
     browser
         .value("scope.cursors = [scope.picture.trigger - 0.02, scope.picture.trigger + 0.02]; drawScope()");
     browser.until_text("scope-read", "0.04 (25 Hz)");
+    browser.picture("panel-scope", ".scope");
     let apart = browser
         .value("valueAt(scope.picture, 0, scope.cursors[1]) - valueAt(scope.picture, 0, scope.cursors[0])");
     assert!((apart.as_f64().expect("degrees") - (angle[hit + 40] - angle[hit - 40])).abs() < 1e-9, "{apart}");
@@ -353,18 +363,15 @@ fn a_browser_has_a_scope() {
     until("it is saved", || {
         fs::read_to_string(folder.join(&name)).is_ok_and(|text| text.lines().count() == 82)
     });
-    browser.picture("panel-scope");
     // Of the piece that is shown: the newest 64 of its 81 cycles.
     browser.value("(s => { s.value = 'hz'; s.onchange(); })(document.getElementById('scope-x'))");
     browser.until_text("scope-state", "(0.032 s), window of Hann · spindle_true_deg highest");
     assert_eq!(browser.value("scope.picture.cycles"), json!([hit - 23, hit + 40]));
-    browser.picture("panel-scope-spectrum");
     browser.value("(s => { s.value = 'pass'; s.onchange(); })(document.getElementById('scope-x'))");
     browser.until_text("scope-state", "passes 1 to 2");
     assert_eq!(browser.value(FITS), true);
-    browser.picture("panel-scope-passes");
+    browser.picture("panel-scope-passes", ".scope");
     let telephone = json!({ "width": 360, "height": 800, "deviceScaleFactor": 2, "mobile": true });
     browser.tell("Emulation.setDeviceMetricsOverride", &telephone);
     assert_eq!((browser.value("window.innerWidth"), browser.value(FITS)), (json!(360), json!(true)));
-    browser.picture("panel-scope-small");
 }

@@ -125,7 +125,7 @@ fn a_browser_begins_at_a_line() {
     browser.until_text("from-told", "tool 3, spindle 900.0 1/min");
     let key = "document.querySelector('[data-do=start]').textContent";
     assert_eq!(browser.value(key), "Start at line 12");
-    browser.picture("panel-from");
+    browser.picture("panel-from", ".text");
     assert_eq!(browser.value(FITS), true);
     browser.click("#from-start");
     until("it is taken back", || browser.value("document.getElementById('from').hidden") == true);

@@ -8,6 +8,7 @@ mod client;
 mod figures;
 mod from;
 mod hostile;
+mod pictures;
 mod playback;
 mod scope;
 mod tables;
