@@ -8,6 +8,26 @@ use super::{ring::Ring, spectrum::Spectrum};
 /// Passes, or turns, that are laid over each other: the newest.
 const MOST_CURVES: usize = 16;
 
+/// Values that are compared at once: a processor does so with several at a time.
+const LANES: usize = 8;
+
+/// The lowest and the highest of some values, of those that are numbers; neither is one where none is.
+pub(crate) fn extremes<'a>(parts: impl IntoIterator<Item = &'a [f64]>) -> [f64; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    let mut take = |lane: usize, value: f64| {
+        low[lane] = if value < low[lane] { value } else { low[lane] };
+        high[lane] = if value > high[lane] { value } else { high[lane] };
+    };
+    for part in parts {
+        let (whole, rest) = part.as_chunks::<LANES>();
+        whole.iter().for_each(|values| (0..LANES).for_each(|lane| take(lane, values[lane])));
+        rest.iter().enumerate().for_each(|(lane, value)| take(lane, *value));
+    }
+    let [low, high] =
+        [low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max)];
+    if low > high { [f64::NAN; 2] } else { [low, high] }
+}
+
 /// Places along x with the lowest and the highest value of each signal there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Curve {
@@ -20,10 +40,10 @@ pub(crate) struct Curve {
 }
 
 impl Curve {
-    /// Of rows, or lines, whose x grows, by the value of a signal in each: within a window, of so many
-    /// points.
+    /// Of rows, or lines, that follow each other, each with its x; by the lowest and the highest value of a
+    /// signal in some of them: within a window, of so many points.
     pub(crate) fn of(
-        value: impl Fn(usize, usize) -> f64,
+        extremes: impl Fn(usize, Range<usize>) -> [f64; 2],
         rows: impl ExactSizeIterator<Item = (f64, usize)>,
         signals: &[usize],
         (from, span, points): (f64, f64, usize),
@@ -31,28 +51,26 @@ impl Curve {
     ) -> Curve {
         let each = rows.len() <= points;
         let mut curve = Curve { number, ..Curve::default() };
-        (curve.low, curve.high) = (vec![Vec::new(); signals.len()], vec![Vec::new(); signals.len()]);
+        let mut parts: Vec<Range<usize>> = Vec::new();
         let mut place = None;
         for (x, row) in rows {
-            if !(from..=from + span).contains(&x) {
-                continue;
-            }
-            let here = ((x - from) / span * points as f64) as usize;
-            let goes_on = !each && place == Some(here);
-            place = Some(here);
-            if !goes_on {
-                curve.x.push(x);
-            }
-            for ((low, high), column) in curve.low.iter_mut().zip(&mut curve.high).zip(signals) {
-                let value = value(*column, row);
-                match (low.last_mut(), high.last_mut()) {
-                    (Some(low), Some(high)) if goes_on => (*low, *high) = (low.min(value), high.max(value)),
-                    _ => {
-                        low.push(value);
-                        high.push(value);
-                    }
+            let here =
+                (from..=from + span).contains(&x).then(|| ((x - from) / span * points as f64) as usize);
+            match parts.last_mut() {
+                _ if here.is_none() => {}
+                Some(part) if !each && here == place => part.end = row + 1,
+                _ => {
+                    curve.x.push(x);
+                    parts.push(row..row + 1);
                 }
             }
+            place = here;
+        }
+        for signal in signals {
+            let values = parts.iter().map(|part| extremes(*signal, part.clone()));
+            let (low, high) = values.map(|[low, high]| (low, high)).unzip();
+            curve.low.push(low);
+            curve.high.push(high);
         }
         curve
     }
@@ -91,9 +109,9 @@ pub(crate) fn over_time(
 ) -> Drawn {
     let (cycle_s, (from, span)) = (ring.cycle_s(), window);
     let (cycles, missing) = cycles(ring, &rows);
-    let x = rows.map(|row| (ring.cycle(row) as f64 * cycle_s, row));
+    let x = ring.cycles(rows.clone()).zip(rows).map(|(cycle, row)| (cycle * cycle_s, row));
     let whole = ((from / cycle_s).round() * cycle_s, span + 0.5 * cycle_s, points);
-    let curve = Curve::of(|column, row| ring.value(column, row), x, signals, whole, 0);
+    let curve = Curve::of(|column, rows| ring.extremes(column, rows), x, signals, whole, 0);
     Drawn { curves: vec![curve], window, cycles, missing, peaks: None }
 }
 
@@ -119,8 +137,8 @@ pub(crate) fn spectrum(
     let x = (0..spectrum.lines()).map(|line| (line as f64 * spectrum.step, line));
     let window = (0.0, spectrum.lines() as f64 * spectrum.step);
     let which: Vec<_> = (0..signals.len()).collect();
-    let amplitude = |signal: usize, line: usize| spectrum.amplitudes[signal][line];
-    let curve = Curve::of(amplitude, x, &which, (window.0, window.1, points), 0);
+    let amplitudes = |signal: usize, lines: Range<usize>| extremes([&spectrum.amplitudes[signal][lines]]);
+    let curve = Curve::of(amplitudes, x, &which, (window.0, window.1, points), 0);
     Drawn { curves: vec![curve], window, cycles, missing, peaks: Some(spectrum.peaks()) }
 }
 
@@ -188,7 +206,13 @@ fn over_angle(
     let (from, span) = window.unwrap_or((0.0, longest));
     let curve = |stretch: &Stretch| {
         let rows = stretch.rows.clone().map(|row| (angle(stretch, row), row));
-        Curve::of(|column, row| ring.value(column, row), rows, signals, (from, span, points), stretch.number)
+        Curve::of(
+            |column, rows| ring.extremes(column, rows),
+            rows,
+            signals,
+            (from, span, points),
+            stretch.number,
+        )
     };
     let curves = stretches.iter().map(curve).collect();
     Drawn { curves, window: (from, span), ..Drawn::default() }
@@ -206,7 +230,7 @@ mod tests {
         let ring = filled(0..3000, 3000);
         let column = ring.column("z_error").expect("it is there");
         let all = || (0..3000).map(|row| (row as f64, row));
-        let value = |column, row| ring.value(column, row);
+        let value = |column, rows| ring.extremes(column, rows);
         let curve = Curve::of(value, all(), &[column], (0.0, 3000.0, 100), 0);
         assert_eq!(curve.x.len(), 100);
         for (place, x) in curve.x.iter().enumerate() {

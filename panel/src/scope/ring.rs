@@ -1,9 +1,11 @@
 //! The newest control cycles, every one of them. In: rows of numbers in the order of the columns of a trace.
 //! Out: columns, by row. A run that begins empties it.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::Range};
 
 use protocol::AxisState;
+
+use super::picture::extremes;
 
 /// What a ring holds.
 #[derive(Clone, Debug, Default)]
@@ -96,6 +98,22 @@ impl Ring {
         self.values.get(column).and_then(|values| values.get(row)).copied().unwrap_or(f64::NAN)
     }
 
+    /// The lowest and the highest value of a column in some of the rows that there are.
+    pub(crate) fn extremes(&self, column: usize, rows: Range<usize>) -> [f64; 2] {
+        let Some(values) = self.values.get(column) else { return [f64::NAN; 2] };
+        let (older, newer) = values.as_slices();
+        let part = |values: &'_ [f64], first: usize| {
+            let at = |row: usize| row.saturating_sub(first).min(values.len());
+            at(rows.start)..at(rows.end)
+        };
+        extremes([&older[part(older, 0)], &newer[part(newer, older.len())]])
+    }
+
+    /// The control cycles of some of the rows that there are.
+    pub(crate) fn cycles(&self, rows: Range<usize>) -> impl ExactSizeIterator<Item = f64> {
+        self.values.get(self.cycle).map(|cycles| cycles.range(rows)).unwrap_or_default().copied()
+    }
+
     /// The control cycle of a row.
     pub(crate) fn cycle(&self, row: usize) -> u64 {
         self.value(self.cycle, row) as u64
@@ -127,7 +145,7 @@ impl Ring {
     }
 
     /// All columns of some rows, one row behind the other.
-    pub(crate) fn part(&self, rows: std::ops::Range<usize>) -> Vec<f64> {
+    pub(crate) fn part(&self, rows: Range<usize>) -> Vec<f64> {
         let row =
             |row: usize| self.values.iter().map(move |column| column.get(row).copied().unwrap_or(f64::NAN));
         rows.flat_map(row).collect()
@@ -164,6 +182,27 @@ pub(super) mod tests {
         let error = f64::from(pass.unwrap_or(0) as i32) + 1e-5 * (37 * cycle % 101) as f64;
         let pass = pass.unwrap_or(0) as f64;
         [cycle as f64, cycle as f64 * 5e-4, 3.0 * cycle as f64, pass, f64::from(state as u32), error]
+    }
+
+    /// Wherever the oldest row lies in the ring, and whatever is no number.
+    #[test]
+    fn lowest_and_highest_are_those_of_the_numbers_in_the_rows() {
+        for most in [700, 993, 1024] {
+            let mut ring = filled(0..1990, most);
+            let first = ring.rows() - 3;
+            for value in [f64::NAN, f64::NAN, f64::NAN] {
+                ring.take(&[1.0, 1.0, 1.0, 0.0, 0.0, value]);
+            }
+            let column = ring.column("z_error").expect("it is there");
+            for rows in [0..1, 5..60, 100..101, 3..650, 640..699, 0..ring.rows()] {
+                let values = rows.clone().map(|row| ring.value(column, row)).filter(|value| !value.is_nan());
+                let wanted =
+                    values.fold([f64::MAX, f64::MIN], |[low, high], one| [low.min(one), high.max(one)]);
+                assert_eq!(ring.extremes(column, rows.clone()), wanted, "{rows:?} of {most}");
+            }
+            assert!(ring.extremes(column, first..ring.rows()).iter().all(|value| value.is_nan()));
+            assert!(ring.extremes(99, 0..5).iter().all(|value| value.is_nan()));
+        }
     }
 
     #[test]

@@ -2,6 +2,11 @@
 //! the figures and the command. Judged is what does not hang on the computer: the size of the pages, that a
 //! press has its cycle, that the scope misses none.
 
+use std::{
+    io::{Read as _, Write as _},
+    net::TcpListener,
+};
+
 use process::ipc::time::Moment;
 use serde_json::{Value, json};
 
@@ -119,6 +124,26 @@ fn figures_of_the_panel() {
         println!("first paint {when}: {}", painted(&mut browser));
         browser.value("window.before = true; location.reload()");
     }
+    drop(browser);
+    let mut browser = Browser::open(&place, &one_word(), 1201).expect("there is one");
+    println!("first paint of one word, in a browser that has just been started: {}", painted(&mut browser));
+}
+
+/// The address of a page with one word: what is left for any page.
+fn one_word() -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = listener.local_addr().expect("it has one");
+    let serves = move || {
+        let page = "<p id=link>live</p>";
+        let head = "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\nConnection: close\r\n";
+        for mut stream in listener.incoming().flatten() {
+            // What the browser asks for is always the same.
+            let _ = stream.read(&mut [0; 4096]);
+            let _ = write!(stream, "{head}Content-Length: {}\r\n\r\n{page}", page.len());
+        }
+    };
+    std::thread::Builder::new().spawn(serves).expect("a thread");
+    format!("http://{address}/")
 }
 
 /// When the page was painted first, and what came before that, ms since it was asked for.
