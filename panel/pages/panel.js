@@ -84,7 +84,7 @@ function show(news) {
   document.querySelector(".state").className = "state " + (kind || (["ready", "ended"].includes(state.state) ? "" : "run"));
   const parts = [];
   if (typeof state.time_s === "number") parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
-  if (state.pass) parts.push(`pass ${state.pass} of ${state.program?.passes ?? "?"}, depth ${number(state.depth_mm, 3)} mm`);
+  if (state.pass) parts.push(`pass ${state.pass}${state.by_hand ? "" : ` of ${state.program?.passes ?? "?"}`}, depth ${number(state.depth_mm, 3)} mm`);
   if (state.left_s !== undefined && state.left_s !== null && state.state !== "ready" && !state.by_hand) parts.push(clock(state.left_s) + " to go at 100 %");
   if (state.tool) parts.push(["T" + state.tool, state.tool_name].filter(Boolean).join(" "));
   if (origin()) parts.push(`zero of the program at ${lathe() ? "X⌀ " + number(2 * origin()[0], 3) : "X " + number(origin()[0], 3)} Z ${number(origin()[1], 3)} of the machine`);

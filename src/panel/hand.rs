@@ -191,10 +191,10 @@ impl Hand {
             told.collect::<Vec<_>>().join("; ")
         });
         let items = items?;
-        let thread = |item: &Item| matches!(item.code, Code::Pass(_) | Code::Work(_) | Code::Formula { .. });
+        let job = |item: &Item| matches!(item.code, Code::Work(_) | Code::Formula { .. });
         let bytes: usize = items.iter().map(|item| CodePacket::pack(0, item).as_bytes().len() + 2).sum();
         let refused = match () {
-            () if items.iter().any(thread) => Some("threads, taps and jobs are cut by programs"),
+            () if items.iter().any(job) => Some("jobs are cut by programs"),
             () if bytes > MOST_BYTES => Some("this is too long for a block"),
             () => None,
         };

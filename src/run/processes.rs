@@ -202,6 +202,7 @@ impl Launch<'_> {
         let (given, pressed) = self.live.as_mut().map(|live| live.presses()).unwrap_or_default();
         if let Some(gives) = &mut self.by_hand {
             gives.give(&given);
+            self.recorder.gives(&given);
         }
         pressed.into_iter().try_for_each(|request| self.ask(Some(request), None))
     }

@@ -9,7 +9,7 @@ use std::{
 
 use machine::Machine;
 use process::shell::{Clock, Pace};
-use protocol::{Axis, Input, Taken};
+use protocol::{Axis, Input, Item, Taken};
 use rig::{
     observe::{Observer, Record, Summary},
     replay::{Arrivals, Collector},
@@ -135,6 +135,11 @@ impl Recorder {
     fn fails(&mut self, what: &str, why: Unwritten) {
         self.stands |= matches!(why, Unwritten::Stands);
         self.failed.get_or_insert(CliError::Machine(format!("{what}{why}")));
+    }
+
+    /// Something is given by hand.
+    pub(crate) fn gives(&mut self, items: &[Item]) {
+        self.observer.gives(items);
     }
 
     /// What has been observed so far.

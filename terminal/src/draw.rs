@@ -112,11 +112,9 @@ fn whereabouts(desk: &Desk) -> String {
     }
     if desk.field("pass").as_u64().is_some_and(|pass| pass > 0) {
         let depth = number(desk.field("depth_mm"), 3);
-        parts.push(format!(
-            "pass {} of {}, {depth} deep",
-            desk.field("pass"),
-            desk.field("program")["passes"]
-        ));
+        let by_hand = desk.field("by_hand").is_object();
+        let of = if by_hand { String::new() } else { format!(" of {}", desk.field("program")["passes"]) };
+        parts.push(format!("pass {}{of}, {depth} deep", desk.field("pass")));
     }
     let goes = desk.field("by_hand").is_null() && desk.mode() != "off";
     if let Some(left_s) = desk.field("left_s").as_f64().filter(|_| goes) {

@@ -18,6 +18,7 @@ mod few;
 mod full;
 mod gauged;
 mod gauges;
+mod given;
 mod going_on;
 mod helix;
 mod inside;
@@ -123,6 +124,7 @@ pub struct Observer {
     machine: Machine,
     /// Every pass of the program, by its number.
     program: BTreeMap<u32, Planned>,
+    tool: u32, // behind all that is known of the program
     current: Option<PassObserver>,
     inside: Inside,
     threads: Threads,
@@ -159,9 +161,11 @@ impl Observer {
     /// An observer of a machine and of its program, of which what [`Watch`] wants is enough. A pass that no
     /// regulator would accept is not expected.
     pub fn new(machine: &Machine, items: &[Item]) -> Observer {
+        let mut tool = 0;
         Observer {
             machine: machine.clone(),
-            program: planned::planned(machine, items),
+            program: planned::planned(machine, items, &mut tool),
+            tool,
             current: None,
             inside: Inside::new(),
             threads: Threads::default(),

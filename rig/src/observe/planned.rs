@@ -49,16 +49,17 @@ pub(super) struct Planned {
     pub(super) origin_mm: Option<[f64; 2]>,
 }
 
-/// Every pass of a program by its number. A pass that no regulator would accept is not expected.
-pub(super) fn planned(machine: &Machine, items: &[Item]) -> BTreeMap<u32, Planned> {
+/// Every pass of a program by its number; `tool` is the one before it, then the last one. A pass that no
+/// regulator would accept is not expected.
+pub(super) fn planned(machine: &Machine, items: &[Item], tool: &mut u32) -> BTreeMap<u32, Planned> {
     let ends = sim_plant::stock_mm(machine).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let (mut passes, mut tool) = (BTreeMap::new(), 0);
+    let mut passes = BTreeMap::new();
     for Item { line, code } in items {
         match code {
-            Code::Tool { number } => tool = *number,
+            Code::Tool { number } => *tool = *number,
             Code::Pass(pass) if pass.check().is_ok() => {
-                let planned =
-                    Planned { line: *line, pass: *pass, tool, stock: Stock::Ends(ends), origin_mm: None };
+                let stock = Stock::Ends(ends);
+                let planned = Planned { line: *line, pass: *pass, tool: *tool, stock, origin_mm: None };
                 passes.insert(pass.pass, planned);
             }
             _ => {}

@@ -91,7 +91,6 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
         ("mdi", json!("G0 Z-1\nG0 Z-1000000"), "bad-block", "travel"),
         ("mdi", json!("G91 G1 Z1 F0"), "bad-block", "F is 0"),
         ("mdi", json!("G33 Z-20 K2"), "bad-block", "spindle"),
-        ("mdi", json!("M3 S500\nG76 P2 Z-20 I-2 J0.3 K1.2"), "bad-block", "run it as a program"),
         ("jog", json!({ "axis": "Z", "mm_min": 600, "step_mm": 1e4 }), "bad-block", "travel"),
         ("jog", json!({ "axis": "Y", "mm_min": 600, "step_mm": 1 }), "bad-block", "no axis"),
         ("jog", json!({ "axis": "Z", "mm_min": 1e5, "way": "+" }), "bad-block", "no feed"),
@@ -128,6 +127,55 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
         pressed.contains("# G10 L20 P1 X20.000000\n") && pressed.contains("# G91 G1 Z-30 F600\n"),
         "{pressed}"
     );
+}
+
+/// A thread cut by a block, with the override turned in it; another one held in a pass; a tap; one that is
+/// ended in a pass. Each pass is measured as in a program, and the session is repeated.
+#[test]
+fn threads_and_taps_are_cut_by_blocks_and_the_session_is_repeated() {
+    let place = Place::new();
+    let panel = by_hand(&place, &["--pace", "20", "--trace", "none"]);
+    let thread = "G76 P2 Z-12 I-2.18 J1.6 K2.969 R2 Q29.5 H1";
+    let in_pass = |number: u64| {
+        until("a pass is cut", || {
+            let state = panel.state();
+            state["state"] == "threading" && state["pass"].as_u64() >= Some(number)
+        });
+    };
+    for block in ["G7 G18 G21 G90", "M3 S500", "G0 X22 Z5"] {
+        does(&panel, "mdi", block);
+    }
+    panel.turn("mdi", thread);
+    in_pass(2);
+    assert_eq!(refused(&panel, "mdi", json!("G0 X40")).0, "not-now");
+    panel.turn("spindle-override", 80);
+    is_ready(&panel);
+    let first = panel.state()["passes"].as_array().cloned().expect("passes");
+    assert!(first.len() > 3, "{first:?}");
+    for pass in &first {
+        assert!(pass["end"] == "complete" && pass["helix_um"].as_f64() < Some(5.0), "{pass}");
+    }
+    does(&panel, "mdi", "G0 Z5");
+    // Its passes go on counting.
+    panel.turn("mdi", thread);
+    in_pass(first.len() as u64 + 1);
+    panel.press("hold");
+    until("it is held", || panel.state()["state"] == "held");
+    panel.press("start");
+    is_ready(&panel);
+    for block in ["G0 X30", "G0 Z5", "G0 X0", "G33.1 Z-6 K1", "G0 X22"] {
+        does(&panel, "mdi", block);
+    }
+    let passes = panel.state()["passes"].as_array().map_or(0, Vec::len);
+    assert!(passes > 2 * first.len(), "{passes}");
+    panel.turn("mdi", thread);
+    in_pass(passes as u64 + 1);
+    let summary = ended(&place, panel);
+    assert_eq!((summary.outcome, summary.faults.len()), (Outcome::Stopped, 0));
+    is_repeated(&place, "session", &summary);
+    let again = Summary::read(&place.at("again/summary.json")).expect("a summary");
+    assert!(summary.passes.len() >= passes, "{} of {passes}", summary.passes.len());
+    assert_eq!(json!(summary.passes), json!(again.passes));
 }
 
 /// What a session may do, at random: steps, blocks, touches, the spindle, overrides.

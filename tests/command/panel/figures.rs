@@ -66,8 +66,8 @@ fn presses(panel: &Panel, until: Moment) -> Seen {
     while !until.passed() {
         let news = socket.next().expect("it lives");
         if news["id"].is_u64() {
-            let (sent, cycle) =
-                (waits.take().expect("one was sent"), news["cycle"].as_u64().expect("its cycle"));
+            let sent = waits.take().expect("one was sent");
+            let cycle = news["cycle"].as_u64().unwrap_or_else(|| panic!("{news}"));
             assert!(cycle > before, "every press has a cycle of its own: {news}");
             before = cycle;
             seen.answered.push(now() - sent);
