@@ -26,6 +26,9 @@ pub(crate) enum Command {
     /// Start the machine, run a program, write the run folder.
     #[command(after_help = crate::run::HELP)]
     Run(crate::run::RunArgs),
+    /// Have the machine on this computer, for programs that another one runs.
+    #[command(after_help = crate::run::hosts::HELP)]
+    Serve(crate::run::hosts::ServeArgs),
     /// Stand at the machine: a panel in the browser that shows it and lets you press.
     #[command(after_help = crate::panel::HELP)]
     Panel(Box<crate::panel::PanelCommandArgs>),
@@ -165,9 +168,9 @@ impl Command {
 
     /// Whether somebody waits for this process, or for the processes that it has started.
     pub(crate) fn is_of_a_machine(&self) -> bool {
-        use Command::{Interpolator, Interpreter, Panel, RealTime, Regulator, Run, SimPlant};
+        use Command::{Interpolator, Interpreter, Panel, RealTime, Regulator, Run, Serve, SimPlant};
         let cyclic = matches!(self, Interpolator(_) | Regulator(_) | SimPlant(_) | RealTime(_));
-        cyclic || matches!(self, Run(_) | Panel(_) | Interpreter(_))
+        cyclic || matches!(self, Run(_) | Serve(_) | Panel(_) | Interpreter(_))
     }
 }
 

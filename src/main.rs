@@ -63,7 +63,11 @@ fn main() -> ExitCode {
 fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
     let quiet = cli.log.quiet;
     match &cli.command {
-        Command::Run(args) => run::run(args, quiet),
+        Command::Run(args) => match (&args.far.at, &args.far.key) {
+            (Some(at), Some(key)) => run::hosts::run_at(args, (at, key), quiet),
+            _ => run::run(args, quiet),
+        },
+        Command::Serve(args) => run::hosts::serve(args, quiet),
         Command::Panel(args) => panel::panel(args, quiet),
         Command::PanelServer => panel::server(),
         Command::Check(args) => check::check(args, quiet),

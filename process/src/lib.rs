@@ -5,4 +5,5 @@
 #![allow(clippy::disallowed_methods)] // clocks and sleeps are what this crate is for
 
 pub mod ipc;
+pub mod link;
 pub mod shell;

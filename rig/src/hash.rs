@@ -19,3 +19,8 @@ pub fn of_file(path: &Path) -> std::io::Result<blake3::Hash> {
 pub fn hex_of_file(path: &Path) -> std::io::Result<String> {
     of_file(path).map(|hash| hash.to_hex().to_string())
 }
+
+/// BLAKE3 of a text, in hex.
+pub fn hex_of_text(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}

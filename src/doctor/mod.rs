@@ -12,7 +12,12 @@ use process::ipc::{
 
 use clap::Args;
 
-use crate::{args::MachineArgs, error::CliError, run::axes, screen};
+use crate::{
+    args::MachineArgs,
+    error::CliError,
+    run::{FarArgs, axes, hosts},
+    screen,
+};
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DoctorArgs {
@@ -22,6 +27,8 @@ pub(crate) struct DoctorArgs {
     /// 100000 s.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub(crate) real: Option<f64>,
+    #[command(flatten)]
+    pub(crate) far: FarArgs,
     /// With --real: print one JSON document, and nothing else.
     #[arg(long, requires = "real")]
     pub(crate) json: bool,
@@ -39,6 +46,9 @@ const RUN_BYTES: u64 = 256 << 20;
 
 /// Looks, or with `--real` measures.
 pub(crate) fn doctor(args: &DoctorArgs) -> Result<ExitCode, CliError> {
+    if let (Some(at), Some(key)) = (&args.far.at, &args.far.key) {
+        return hosts::ping(&args.machine, (at, key));
+    }
     args.real.map_or_else(|| look(args), |seconds| real::real(args, seconds))
 }
 

@@ -178,7 +178,7 @@ fn one_run(
     interrupts: &mut Option<Interrupts>,
     live: &mut Live,
 ) -> Result<(), CliError> {
-    let prepared = Prepared::of(asked, quiet, interrupts)?;
+    let prepared = Prepared::of(asked, quiet, interrupts, true)?;
     prepared.go(quiet, interrupts, Some(live)).map(drop)
 }
 

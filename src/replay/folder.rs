@@ -27,7 +27,7 @@ use crate::{
     panel::PanelArgs,
     program::Program,
     run::{
-        RunArgs, Timing, Trace,
+        FarArgs, RunArgs, Timing, Trace,
         folder::{ARRIVALS, BEFORE, changed, repeated},
         read_scenario,
     },
@@ -197,6 +197,7 @@ pub(super) fn of_folder(dir: &Path) -> RunArgs {
         language: LanguageArgs::default(),
         machine: MachineArgs { machine: None },
         gauge: GaugeArgs { gauge: None },
+        far: FarArgs::default(),
         clock: Timing::default(),
         pace: None,
         with_panel: false,

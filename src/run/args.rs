@@ -23,6 +23,7 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock run runs/m20x2-1 --resume goes on with it after a loss of power, an abort or a fault
   pitchlock run part.ngc --from 27    begins at line 27; with --dry-run it is only shown how
   pitchlock run part.ngc --pace 1     as fast as the machine would be, to watch it
+  pitchlock run part.ngc --at 10.0.0.2:7447 --key shop.key   on the machine of another computer
 
 The run folder holds summary.json, the trace (MCAP opens in Foxglove and PlotJuggler), report.html (opens in any
 browser, no network), and the program, machine file and scenario that were used.
@@ -48,6 +49,8 @@ pub(crate) struct RunArgs {
     pub(crate) machine: MachineArgs,
     #[command(flatten)]
     pub(crate) gauge: GaugeArgs,
+    #[command(flatten)]
+    pub(crate) far: FarArgs,
     /// How the processes wait for each other: in lock step as fast as possible, or in real time.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) clock: Timing,
@@ -117,6 +120,18 @@ pub(crate) struct RunArgs {
     /// Print summary.json to standard output, and nothing else.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Another computer that has the machine.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct FarArgs {
+    /// The machine is on another computer, where `pitchlock serve` waits at this address: the interpreter
+    /// runs here, and everything that has deadlines there.
+    #[arg(long, value_name = "HOST:PORT", requires = "key")]
+    pub(crate) at: Option<String>,
+    /// File with the key that both computers have (`pitchlock-link key FILE` makes one).
+    #[arg(long, value_name = "FILE", requires = "at")]
+    pub(crate) key: Option<PathBuf>,
 }
 
 /// How the processes wait for each other.

@@ -16,7 +16,11 @@ use process::{
 use protocol::Doom;
 use rig::observe;
 
-use super::Setup;
+use super::{
+    Setup,
+    hosts::{Heard, LINK},
+    interrupts::Wish,
+};
 use crate::error::CliError;
 
 /// A process of this run. Dropping it ends the process.
@@ -25,6 +29,8 @@ pub(crate) struct Started {
     pub(crate) host: Host,
     child: Child,
     exit: Option<ExitStatus>,
+    /// What it says, if it is the link to another computer in the place of a module.
+    link: Option<Heard>,
 }
 
 impl Drop for Started {
@@ -40,6 +46,13 @@ impl Started {
     /// Ctrl-C reaches the launcher only.
     pub(crate) fn start(setup: &Setup, address: &str, host: Host) -> Result<Started, CliError> {
         let process = host.beats();
+        if process == Process::Interpreter
+            && let Some(link) = setup.link.take()
+        {
+            let (child, heard) = link.joins(address, setup.clock)?;
+            let host = Host { name: LINK.into(), ..host };
+            return Ok(Started { host, child, exit: None, link: Some(heard) });
+        }
         let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
         let mut command = Command::new(this);
         let by_hand = setup.by_hand && process == Process::Interpreter;
@@ -84,12 +97,20 @@ impl Started {
         let child = command
             .spawn()
             .map_err(|error| CliError::Machine(format!("cannot start {}: {error}", host.name)))?;
-        Ok(Started { host, child, exit: None })
+        Ok(Started { host, child, exit: None, link: None })
     }
 
     /// Where it takes machine code by hand, if it does.
     pub(crate) fn takes_by_hand(&mut self) -> Option<ChildStdin> {
         self.child.stdin.take()
+    }
+
+    /// What somebody at the other computer wants; a link that is lost stops the machine: a tool in a thread
+    /// leaves it first.
+    pub(crate) fn wish(&mut self) -> Wish {
+        let is_lost = self.exit.is_some_and(|exit| !exit.success());
+        let stops = |link: &mut Heard| link.wish().max(if is_lost { Wish::Stop } else { Wish::None });
+        self.link.as_mut().map_or(Wish::None, stops)
     }
 
     /// Number of the process.
@@ -135,6 +156,9 @@ impl Started {
     /// How it ended, for people.
     pub(crate) fn ending(&self) -> String {
         let signal = self.exit.and_then(|exit| exit.signal());
+        if let Some(why) = self.link.as_ref().and_then(Heard::why) {
+            return format!("ended: {why}");
+        }
         match (self.exit.and_then(|exit| exit.code()), signal) {
             (_, Some(number)) => format!("was ended by {}", signal_words(number)),
             (Some(code), _) => format!("ended with exit status {code}; why is on standard error"),

@@ -9,6 +9,8 @@ use rig::{
     supervisor::{End, Supervisor},
 };
 
+use super::hosts::LINK;
+
 /// A process that has died.
 #[derive(Clone, Debug)]
 pub(crate) struct Death {
@@ -76,9 +78,13 @@ impl Endings {
 
     /// Writes all of it into the summary of the run.
     pub(crate) fn tell(&self, summary: &mut Summary) {
-        // A program that came to its end, or was stopped, has missed nobody who died meanwhile.
-        let harmless = |death: &&Death| {
-            death.over || death.process == Process::Interpreter && summary.outcome != Outcome::Faulted
+        // A program that came to its end, or was stopped, has missed nobody who died meanwhile. But a link
+        // that is lost is why it was stopped.
+        let harmless = |death: &&Death| match (death.process, summary.outcome) {
+            _ if death.over => true,
+            (Process::Interpreter, Outcome::Completed) => true,
+            (Process::Interpreter, outcome) => outcome != Outcome::Faulted && death.name != LINK,
+            _ => false,
         };
         let (harmless, mut harmful): (Vec<_>, Vec<_>) = self.deaths.iter().partition(harmless);
         summary.warnings.extend(harmless.into_iter().map(|death| death.report(death.cycle)));

@@ -165,6 +165,15 @@ impl RunFolder {
         Ok(())
     }
 
+    /// Names of the files that the run is made of.
+    pub(crate) fn made_of(&self) -> Vec<String> {
+        let files = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
+        let mut names: Vec<String> = files.filter_map(|file| file.file_name().into_string().ok()).collect();
+        names.retain(|name| !RESULTS.contains(&name.as_str()) && self.path.join(name).is_file());
+        names.sort();
+        names
+    }
+
     /// Whether the program is what it was when the run began.
     pub(crate) fn is_as_it_was(&self) -> bool {
         stamp(&self.program).is_ok_and(|stamp| Some(stamp) == self.stamp)

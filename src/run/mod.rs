@@ -8,6 +8,7 @@ mod disk;
 mod endings;
 pub(crate) mod folder;
 mod gives;
+pub(crate) mod hosts;
 mod in_process;
 pub(crate) mod interrupts;
 mod journal;
@@ -50,7 +51,7 @@ use crate::{
     words::{self, Phase},
 };
 use args::Fell;
-pub(crate) use args::{HELP, RunArgs, Timing, Trace};
+pub(crate) use args::{FarArgs, HELP, RunArgs, Timing, Trace};
 use claim::SUMMARY;
 use folder::{ARRIVALS, RunFolder, Seen};
 use interrupts::Interrupts;
@@ -97,6 +98,9 @@ pub(crate) struct Setup {
     pub(crate) resumed: Option<Resumed>,
     /// Its machine code is given by hand, and the program is what came of that.
     pub(crate) by_hand: bool,
+    /// The link to the computer of its interpreter, if that is another one; whoever starts the processes
+    /// takes it.
+    pub(crate) link: std::cell::RefCell<Option<hosts::Link>>,
 }
 
 impl Setup {
@@ -127,7 +131,7 @@ pub(crate) fn run(asked: &RunArgs, quiet: bool) -> Result<ExitCode, CliError> {
         return Judged::read(asked, quiet, false).map(|_| ExitCode::SUCCESS);
     }
     let mut interrupts = None;
-    let prepared = Prepared::of(asked, quiet, &mut interrupts)?;
+    let prepared = Prepared::of(asked, quiet, &mut interrupts, false)?;
     let mut live = asked.with_panel.then(|| Live::open(asked, quiet)).transpose()?;
     prepared.go(quiet, &mut interrupts, live.as_mut())
 }
@@ -231,10 +235,10 @@ impl Prepared {
         asked: &RunArgs,
         quiet: bool,
         interrupts: &mut Option<Interrupts>,
+        at_a_panel: bool,
     ) -> Result<Prepared, CliError> {
-        // Signals are caught already: this is a command that waits for somebody at its panel.
         let Judged { args, machine, machine_text, program, scenario, scenario_text, seen, keeps, resumed } =
-            Judged::read(asked, quiet, interrupts.is_some())?;
+            Judged::read(asked, quiet, at_a_panel)?;
         if interrupts.is_none() {
             *interrupts = Some(Interrupts::catch()?);
         }
@@ -260,6 +264,7 @@ impl Prepared {
             fell: args.fell,
             unkept: args.unkept,
             resumed,
+            link: None.into(),
         };
         Ok(Prepared { setup, keeps, in_process: args.in_process, json: args.json })
     }

@@ -208,7 +208,8 @@ impl Launch<'_> {
     }
 
     fn look_at_the_keyboard(&mut self) -> Result<(), CliError> {
-        let wish = self.interrupts.wish();
+        let there = self.started.iter_mut().map(Started::wish).max();
+        let wish = self.interrupts.wish().max(there.unwrap_or(Wish::None));
         if wish == self.wish {
             return Ok(());
         }

@@ -1,0 +1,152 @@
+//! The door of the lower level: greetings and what comes before a run. In: bytes from the wire. Out: answers,
+//! and the session that a run begins in.
+
+use serde_json::Value;
+
+use crate::{
+    LinkError,
+    hello::{Answer, Hello, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
+    message::{FILE, Message},
+    seal::{self, Greeting, Key, Level, Nonce},
+    session::{Session, Voice},
+    wire::Mouth,
+};
+
+/// Who says that the keys differ says it without one: nobody relies on it.
+pub const OTHER_KEY: &[u8] = b"K";
+/// Sessions that have begun and are not yet a run, at most; the oldest goes.
+const BEFORE: usize = 4;
+/// Most files of a run, and most bytes of all together.
+const FILES: usize = 1000;
+
+/// A session that is not yet a run.
+struct Before {
+    /// The greeting that it began with.
+    of: Nonce,
+    /// Our own number.
+    own: Nonce,
+    name: String,
+    session: Session,
+    files: Vec<(String, Vec<u8>)>,
+    wants: Wants,
+}
+
+/// A run that is asked for.
+pub struct Asked {
+    /// Its name.
+    pub run: String,
+    /// The session in which everything of it is said.
+    pub session: Session,
+    /// Its files.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Its arguments, the program first.
+    pub words: Vec<String>,
+}
+
+/// The door.
+pub struct Door {
+    key: Key,
+    here: Identity,
+    mouth: Mouth,
+    before: Vec<Before>,
+    /// The run that is on.
+    on: Option<String>,
+    /// What became of the last one, and its name.
+    outcome: Option<(String, Value)>,
+    /// Greetings under another key.
+    pub strangers: u64,
+}
+
+impl Door {
+    /// A door for those with this key who are as this host is.
+    pub fn new(key: Key, here: Identity, mouth: Mouth, outcome: Option<(String, Value)>) -> Door {
+        Door { key, here, mouth, before: Vec::new(), on: None, outcome, strangers: 0 }
+    }
+
+    /// What comes when no run is on, or is of another session than that. Gives the run that it asks for.
+    ///
+    /// # Errors
+    /// It cannot be answered.
+    pub fn hears(&mut self, bytes: &[u8]) -> Result<Option<Asked>, LinkError> {
+        if Greeting::Hello.is(bytes) {
+            let Some(hello) = opened::<Hello>(Greeting::Hello, &self.key, bytes) else {
+                self.strangers += 1;
+                return self.mouth.say(OTHER_KEY.to_vec()).map(|()| None);
+            };
+            return self.greeted(hello).map(|()| None);
+        }
+        let Some(at) = self.before.iter().position(|before| before.session.is_named_in(bytes)) else {
+            return Ok(None);
+        };
+        // Who loses messages here begins anew.
+        let heard = self.before[at].session.hear(bytes);
+        let (Ok(Some(message)), before) = (heard, &mut self.before[at]) else { return Ok(None) };
+        match message {
+            Message::Ping(bytes) => before.session.voice.say(&Message::Pong(bytes))?,
+            Message::File(name, bytes) => {
+                let all = before.files.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
+                if before.files.len() < FILES && all + bytes.len() <= FILE {
+                    before.files.push((name, bytes));
+                }
+            }
+            Message::Begin(_) if self.on.is_some() || before.wants != Wants::Run => {
+                let text = "the machine runs another program: wait until it has ended";
+                before.session.voice.say(&Message::Refused(text.into()))?;
+            }
+            Message::Begin(words) => {
+                let Before { name, session, files, .. } = self.before.swap_remove(at);
+                self.on = Some(name.clone());
+                return Ok(Some(Asked { run: name, session, files, words }));
+            }
+            _ => {}
+        }
+        Ok(None)
+    }
+
+    /// Answers a greeting.
+    fn greeted(&mut self, hello: Hello) -> Result<(), LinkError> {
+        let Some(of) = of_hex(&hello.nonce) else { return Ok(()) };
+        let difference = self.here.difference(&hello.identity);
+        let (own, verdict) = match (difference, hello.wants) {
+            (Some(text), _) => (0, Verdict::Refused(text)),
+            (None, Wants::Outcome(run)) => (0, self.became_of(&run)),
+            (None, _) if self.on.is_some() => {
+                (0, Verdict::Refused("the machine runs another program: wait until it has ended".into()))
+            }
+            (None, wants) => (self.welcome(of, wants)?, Verdict::Welcome),
+        };
+        let answer = Answer { of: hello.nonce, nonce: hex(own), verdict };
+        self.mouth.say(sealed(Greeting::Answer, &self.key, &answer)?)
+    }
+
+    fn became_of(&self, run: &str) -> Verdict {
+        match &self.outcome {
+            Some((name, outcome)) if name == run => Verdict::Outcome(outcome.clone()),
+            _ if self.on.as_deref() == Some(run) => Verdict::NotYet,
+            _ => Verdict::Refused(
+                "nothing is known of that run here: its run folder tells how it ended".into(),
+            ),
+        }
+    }
+
+    /// A session for a greeting, which may have come before. Our number in it.
+    fn welcome(&mut self, of: Nonce, wants: Wants) -> Result<Nonce, LinkError> {
+        if let Some(before) = self.before.iter().find(|before| before.of == of) {
+            return Ok(before.own);
+        }
+        let own = seal::nonce()?;
+        let (sealer, opener) = seal::session(&self.key, of, own, Level::Lower);
+        let name = named(&sealer.name());
+        let session = Session::new(Voice::new(sealer, self.mouth.clone()), opener);
+        if self.before.len() == BEFORE {
+            self.before.remove(0);
+        }
+        self.before.push(Before { of, own, name, session, files: Vec::new(), wants });
+        Ok(own)
+    }
+}
+
+/// The name of a session as text.
+pub fn named(name: &seal::Name) -> String {
+    name.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,172 @@
+//! The link on host B, in the interpreter's place: it takes machine code off the wire, sends it to the
+//! interpolator, and the credit back. In: what comes through the door. Out: a run, told to `pitchlock serve`.
+
+use std::{fs, path::PathBuf, time::Duration};
+
+use process::{
+    ipc::{Member, Patience, Process, channel, time::Moment},
+    shell::{START_S, deliver},
+};
+use protocol::{CodePacket, Credit, Payload as _};
+use serde_json::Value;
+
+use crate::{
+    LinkError,
+    door::{Asked, Door},
+    hello::Identity,
+    message::Message,
+    seal::{Key, Level},
+    session::Session,
+    talk::{Said, Told, leave, say},
+    wire::{Event, Wire},
+};
+
+/// How long nothing is looked at when nothing comes.
+const NAP: Duration = Duration::from_millis(100);
+
+/// Arguments of the lower end.
+#[derive(Clone, Debug, clap::Args)]
+pub struct LowerArgs {
+    /// Address at which it can be called.
+    #[arg(long, value_name = "ADDRESS")]
+    pub listen: String,
+    /// File with the key that both hosts have.
+    #[arg(long, value_name = "FILE")]
+    pub key: PathBuf,
+    /// Version of the control on this host.
+    #[arg(long, value_name = "VERSION")]
+    pub control: String,
+    /// BLAKE3 of its machine file.
+    #[arg(long, value_name = "HASH")]
+    pub machine: String,
+    /// Empty folder for the files of a run.
+    #[arg(long, value_name = "DIR")]
+    pub into: PathBuf,
+    /// File with what became of the run before.
+    #[arg(long, value_name = "FILE")]
+    pub outcome: Option<PathBuf>,
+}
+
+/// What became of the run before, and its name.
+fn outcome(args: &LowerArgs) -> Result<Option<(String, Value)>, LinkError> {
+    let Some(path) = &args.outcome else { return Ok(None) };
+    let text = intake::text(path, intake::SUMMARY).map_err(|error| LinkError::file(path, error))?;
+    let value: Value = serde_json::from_str(&text).map_err(|error| LinkError::file(path, error))?;
+    Ok(value["run"].as_str().map(str::to_owned).map(|run| (run, value)))
+}
+
+/// Runs the lower end of the link: one run, or none if nobody asks for one.
+///
+/// # Errors
+/// [`LinkError`].
+pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
+    let key = Key::read(&args.key)?;
+    let before = outcome(args)?;
+    let wire = Wire::open(Level::Lower, &args.listen)?;
+    wire.hear_the_parent()?;
+    let mut door = Door::new(key, Identity::here(&args.control, &args.machine), wire.mouth(), before);
+    say(&Said::Listening(args.listen.clone()));
+    let asked = loop {
+        match wire.wait(NAP) {
+            Some(Event::Frame(bytes)) => {
+                if let Some(asked) = door.hears(&bytes)? {
+                    break asked;
+                }
+            }
+            Some(Event::Closed) => return Ok(()),
+            Some(Event::Line(_)) | None => {}
+        }
+    };
+    let Asked { run, mut session, files, words } = asked;
+    session.voice.beat()?;
+    for (name, bytes) in files {
+        let path = args.into.join(name);
+        fs::write(&path, bytes).map_err(|error| LinkError::file(&path, error))?;
+    }
+    say(&Said::Run { run, words });
+    let carried = carry(&wire, &mut door, &mut session);
+    if let Err(error) = &carried {
+        session.ends(error);
+    }
+    session.told().into_iter().for_each(|text| say(&Said::Note(text)));
+    if door.strangers > 0 {
+        say(&Said::Note(format!("refused on the link: {} greetings under another key", door.strangers)));
+    }
+    carried.unwrap_or_else(|error| leave(&error));
+    Ok(())
+}
+
+/// What came, of this session; what is not is for the door.
+fn heard(door: &mut Door, session: &mut Session, bytes: &[u8]) -> Result<Option<Message>, LinkError> {
+    if session.is_named_in(bytes) {
+        return session.hear(bytes);
+    }
+    door.hears(bytes).map(|_| None)
+}
+
+/// Waits until the launcher of this host has read the program; its answer.
+fn place(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<Option<(String, bool)>, LinkError> {
+    loop {
+        match wire.wait(NAP) {
+            Some(Event::Frame(bytes)) => {
+                heard(door, session, &bytes)?;
+            }
+            Some(Event::Line(line)) => match serde_json::from_str(&line) {
+                Ok(Told::Join { address, real }) => return Ok(Some((address, real))),
+                Ok(Told::Refuse(text)) => {
+                    session.voice.say(&Message::Refused(text))?;
+                    return Ok(None);
+                }
+                Ok(_) => {}
+                Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
+            },
+            Some(Event::Closed) => return Err(LinkError::Broken("the machine was switched off".into())),
+            None => {}
+        }
+        session.lives()?;
+    }
+}
+
+/// From the place in the machine until nothing more is wanted.
+fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), LinkError> {
+    let Some((address, real)) = place(wire, door, session)? else { return Ok(()) };
+    let mut member = Member::join(&address, Process::Interpreter)?;
+    let mut code = member.sender(channel::MACHINE_CODE, Patience::Forever)?;
+    let mut credit = member.receiver(channel::CREDIT)?;
+    let interpolator = member.waker(Process::Interpolator)?;
+    member.start(&[&code, &credit, &interpolator], Moment::in_s(START_S))?;
+    session.voice.say(&Message::Go)?;
+    let mut enough = false;
+    while !enough && !member.is_gone(Process::Interpolator) {
+        let mut any = false;
+        while let Some(event) = wire.look() {
+            let Event::Frame(bytes) = event else { continue };
+            match heard(door, session, &bytes)? {
+                Some(Message::Code(bytes)) => {
+                    let packet = CodePacket::from_payload(&bytes);
+                    let packet =
+                        packet.ok_or_else(|| LinkError::Broken("machine code of another size".into()))?;
+                    deliver(&mut code, &packet)?;
+                    any = true;
+                }
+                Some(Message::Press(what)) => say(&Said::Press(what)),
+                _ => {}
+            }
+        }
+        if any && !real {
+            interpolator.wake()?;
+        }
+        while let Some(given) = credit.receive()? {
+            session.voice.say(&Message::Credit(given))?;
+            enough |= given == Credit::ENOUGH;
+        }
+        if !enough {
+            session.lives()?;
+            member.wait_beside(wire.bell(), NAP)?;
+        }
+    }
+    if !enough {
+        session.voice.say(&Message::Credit(Credit::ENOUGH))?;
+    }
+    Ok(member.finish(&[code.count(), credit.count()])?)
+}

@@ -1,0 +1,229 @@
+//! The link on host A, in the interpolator's place: it takes machine code from the interpreter, sends it, and
+//! gives the credit that comes back. In: what `pitchlock run --at` says. Out: what became of the run.
+
+use std::{path::PathBuf, time::Duration};
+
+use process::{
+    ipc::{Member, Patience, Process, channel, time::Moment},
+    shell::{START_S, deliver},
+};
+use protocol::{Credit, Payload as _};
+
+use crate::{
+    LinkError,
+    door::{OTHER_KEY, named},
+    hello::{Answer, Hello, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
+    message::{FILE, Message},
+    seal::{self, Greeting, Key, Level},
+    session::{Session, Voice},
+    talk::{Said, Told, leave, say},
+    wire::{Event, Wire},
+};
+
+/// How often a greeting is repeated.
+const AGAIN: Duration = Duration::from_millis(100);
+/// So long somebody is called who does not answer.
+const PATIENT_S: f64 = 5.0;
+/// So long it may take until a run that has ended is summed up.
+const SUMMED_UP_S: f64 = 60.0;
+
+/// Arguments of whoever calls.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CallArgs {
+    /// Address of the lower level, HOST:PORT.
+    #[arg(long, value_name = "ADDRESS")]
+    pub at: String,
+    /// File with the key that both hosts have.
+    #[arg(long, value_name = "FILE")]
+    pub key: PathBuf,
+    /// Version of the control on this host.
+    #[arg(long, value_name = "VERSION")]
+    pub control: String,
+    /// BLAKE3 of its machine file.
+    #[arg(long, value_name = "HASH")]
+    pub machine: String,
+}
+
+/// Somebody who calls the lower level.
+pub struct Caller {
+    /// The wire.
+    pub wire: Wire,
+    key: Key,
+    here: Identity,
+    at: String,
+}
+
+impl Caller {
+    /// Reads the key and opens the wire.
+    ///
+    /// # Errors
+    /// [`LinkError::Input`].
+    pub fn new(args: &CallArgs) -> Result<Caller, LinkError> {
+        let key = Key::read(&args.key)?;
+        let here = Identity::here(&args.control, &args.machine);
+        Ok(Caller { wire: Wire::open(Level::Upper, &args.at)?, key, here, at: args.at.clone() })
+    }
+
+    /// Greets until there is an answer.
+    ///
+    /// # Errors
+    /// Nobody answers in time, or who does has another key, or refuses: [`LinkError::Input`].
+    pub fn call(&self, wants: &Wants, patience_s: f64) -> Result<(String, Session), LinkError> {
+        let (own, answer) = self.answer(wants, patience_s)?;
+        match (answer.verdict, of_hex(&answer.nonce)) {
+            (Verdict::Welcome, Some(theirs)) => {
+                let (sealer, opener) = seal::session(&self.key, own, theirs, Level::Upper);
+                let run = named(&sealer.name());
+                Ok((run, Session::new(Voice::new(sealer, self.wire.mouth()), opener)))
+            }
+            (Verdict::Refused(text), _) => Err(LinkError::Input(format!("{} refuses: {text}", self.at))),
+            _ => Err(LinkError::Broken(format!("{} gives an answer that nobody gives", self.at))),
+        }
+    }
+
+    fn answer(&self, wants: &Wants, patience_s: f64) -> Result<(seal::Nonce, Answer), LinkError> {
+        let own = seal::nonce()?;
+        let hello = Hello { nonce: hex(own), wants: wants.clone(), identity: self.here.clone() };
+        let (deadline, mut again, mut other_key) = (Moment::in_s(patience_s), Moment::now(), false);
+        while !deadline.passed() {
+            if again.passed() {
+                self.wire.mouth().say(sealed(Greeting::Hello, &self.key, &hello)?)?;
+                again = Moment::now().after(AGAIN);
+            }
+            match self.wire.wait(AGAIN) {
+                Some(Event::Frame(bytes)) if bytes == OTHER_KEY => other_key = true,
+                Some(Event::Frame(bytes)) => {
+                    let answer = opened::<Answer>(Greeting::Answer, &self.key, &bytes);
+                    if let Some(answer) = answer.filter(|answer| answer.of == hello.nonce) {
+                        return Ok((own, answer));
+                    }
+                }
+                Some(Event::Closed) => {
+                    return Err(LinkError::Broken("whoever wanted the run is gone".into()));
+                }
+                Some(Event::Line(_)) | None => {}
+            }
+        }
+        let at = &self.at;
+        Err(LinkError::Input(match other_key {
+            true => format!("{at} has another key\nhelp: copy the file that --key names there to this host"),
+            false => format!(
+                "nobody answers at {at}\nhelp: start `pitchlock serve --listen {at}` there, and see that no firewall is between"
+            ),
+        }))
+    }
+
+    /// What became of a run.
+    fn outcome(&self, run: &str) -> Result<serde_json::Value, LinkError> {
+        let deadline = Moment::in_s(SUMMED_UP_S);
+        loop {
+            match self.answer(&Wants::Outcome(run.into()), SUMMED_UP_S) {
+                Ok((_, Answer { verdict: Verdict::Outcome(value), .. })) => return Ok(value),
+                Ok((_, Answer { verdict: Verdict::NotYet, .. })) if !deadline.passed() => {
+                    process::ipc::time::sleep_until(Moment::now().after(AGAIN));
+                }
+                Ok((_, Answer { verdict: Verdict::Refused(text), .. })) => {
+                    return Err(LinkError::Broken(text));
+                }
+                Ok(_) => return Err(LinkError::Broken(format!("{} does not sum up the run", self.at))),
+                Err(error) => return Err(LinkError::Broken(error.to_string())),
+            }
+        }
+    }
+}
+
+/// Runs the upper end of the link.
+///
+/// # Errors
+/// [`LinkError`].
+pub fn run(args: &CallArgs) -> Result<(), LinkError> {
+    let caller = Caller::new(args)?;
+    caller.wire.hear_the_parent()?;
+    let (run, mut session) = caller.call(&Wants::Run, PATIENT_S)?;
+    session.voice.beat()?;
+    say(&Said::Welcome { run: run.clone() });
+    let carried = carry(&caller.wire, &mut session);
+    if let Err(error) = &carried {
+        session.ends(error);
+    }
+    session.told().into_iter().for_each(|text| say(&Said::Note(text)));
+    carried.unwrap_or_else(|error| leave(&error));
+    drop(session);
+    say(&Said::Outcome(caller.outcome(&run)?));
+    Ok(())
+}
+
+/// Sends the files of a run.
+fn send_files(session: &Session, told: &Told) -> Result<(), LinkError> {
+    let Told::Send { folder, files, words } = told else { return Ok(()) };
+    let mut all = 0;
+    for name in files {
+        let path = folder.join(name);
+        let bytes = intake::bytes(&path, FILE as u64).map_err(|error| LinkError::file(&path, error))?;
+        all += bytes.len();
+        if all > FILE {
+            return Err(LinkError::file(
+                &path,
+                format!("a run on another host has at most {} MB of files", FILE >> 20),
+            ));
+        }
+        session.voice.say(&Message::File(name.clone(), bytes))?;
+    }
+    session.voice.say(&Message::Begin(words.clone()))
+}
+
+/// From the files of the run until nothing more is wanted.
+fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
+    let address = loop {
+        match wire.wait(AGAIN) {
+            Some(Event::Frame(bytes)) => match session.hear(&bytes)? {
+                Some(Message::Refused(text)) => return Err(LinkError::Input(text)),
+                Some(Message::Go) => say(&Said::Started),
+                _ => {}
+            },
+            Some(Event::Line(line)) => match serde_json::from_str(&line) {
+                Ok(Told::Join { address, .. }) => break address,
+                Ok(told) => send_files(session, &told)?,
+                Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
+            },
+            Some(Event::Closed) => return Err(LinkError::Broken("its launcher has ended the run".into())),
+            None => {}
+        }
+        session.lives()?;
+    };
+    let mut member = Member::join(&address, Process::Interpolator)?;
+    let mut code = member.receiver(channel::MACHINE_CODE)?;
+    let mut credit = member.sender(channel::CREDIT, Patience::Forever)?;
+    let interpreter = member.waker(Process::Interpreter)?;
+    member.start(&[&code, &credit, &interpreter], Moment::in_s(START_S))?;
+    let mut enough = false;
+    while !enough {
+        while let Some(packet) = code.receive()? {
+            session.voice.say(&Message::Code(packet.bytes().to_vec()))?;
+        }
+        while let Some(event) = wire.look() {
+            match event {
+                Event::Frame(bytes) => match session.hear(&bytes)? {
+                    Some(Message::Credit(given)) => {
+                        enough |= given == Credit::ENOUGH;
+                        deliver(&mut credit, &given)?;
+                        interpreter.wake()?;
+                    }
+                    Some(Message::Refused(text)) => return Err(LinkError::Input(text)),
+                    _ => {}
+                },
+                Event::Line(line) => {
+                    if let Ok(Told::Press(what)) = serde_json::from_str(&line) {
+                        session.voice.say(&Message::Press(what))?;
+                    }
+                }
+                Event::Closed => return Err(LinkError::Broken("its launcher has ended the run".into())),
+            }
+        }
+        session.lives()?;
+        if !enough {
+            member.wait_beside(wire.bell(), AGAIN)?;
+        }
+    }
+    Ok(member.finish(&[code.count(), credit.count()])?)
+}

@@ -1,0 +1,6 @@
+//! Two hosts: the interpreter on one, the machine on the other. Over loopback where that is enough; where a
+//! cable is cut or frames are lost, in two network namespaces, which need an administrator.
+
+mod cables;
+mod place;
+mod refusals;

@@ -1,0 +1,64 @@
+//! What the link to another computer and the launcher that started it say to each other: a line of JSON each,
+//! on standard output and input of the link.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// What the link says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Said {
+    /// The lower level can be called at this address.
+    Listening(String),
+    /// The upper level was let in.
+    Welcome {
+        /// Name of the session, which is that of the run.
+        run: String,
+    },
+    /// A run is asked for: its files lie in the folder.
+    Run {
+        /// Its name.
+        run: String,
+        /// Its arguments, the program first.
+        words: Vec<String>,
+    },
+    /// The machine has started.
+    Started,
+    /// It is refused, and why.
+    Refused(String),
+    /// Somebody at the upper level presses: 1 stop, 2 emergency stop.
+    Press(u8),
+    /// Something to be told.
+    Note(String),
+    /// Why it ends.
+    Why(String),
+    /// What became of the run.
+    Outcome(serde_json::Value),
+}
+
+/// What it is told.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Told {
+    /// Take your place in the name space with this address.
+    Join {
+        /// Its address.
+        address: String,
+        /// Whether the machine runs in real time.
+        real: bool,
+    },
+    /// The files of the run are the regular ones in this folder; its arguments, the program first.
+    Send {
+        /// The folder.
+        folder: PathBuf,
+        /// The files in it.
+        files: Vec<String>,
+        /// The arguments.
+        words: Vec<String>,
+    },
+    /// The run is refused, and why.
+    Refuse(String),
+    /// Somebody presses.
+    Press(u8),
+}

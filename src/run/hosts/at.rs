@@ -1,0 +1,185 @@
+//! `pitchlock run --at`: the program is here, and the machine on another computer. In: what `run` is given.
+//! Out: what became of the run there. Here are the interpreter and the link, and between them a name space.
+
+use std::process::ExitCode;
+
+use process::{
+    ipc::{Host, NameSpace, Process, time::Moment},
+    link::{Said, Told},
+};
+use rig::observe::Summary;
+use serde_json::Value;
+
+use super::{Call, Link, NAP, command};
+use crate::{
+    error::CliError,
+    run::{
+        Form, Prepared, RunArgs, Setup,
+        children::Started,
+        interrupts::{Interrupts, Wish},
+        recorder::axes,
+        status, tell_end,
+    },
+    words,
+};
+
+/// So long the interpreter may take until it has connected, s.
+const START_S: f64 = 20.0;
+/// Those of a machine who live here.
+const HERE: [Process; 2] = [Process::Interpreter, Process::Interpolator];
+
+/// Runs a program on the machine of another computer.
+pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<ExitCode, CliError> {
+    let refused = |what: &str| {
+        let text = format!("{what} is for a machine on this computer: leave it out, or leave out --at");
+        Err(CliError::Input(text))
+    };
+    for (said, what) in [
+        (asked.in_process, "--in-process"),
+        (asked.resume, "--resume"),
+        (asked.with_panel, "--panel"),
+        (asked.processes, "--processes"),
+        (asked.unkept || !asked.fell.is_empty(), "what tests do to a process"),
+    ] {
+        if said {
+            return refused(what);
+        }
+    }
+    let mut interrupts = None;
+    let Prepared { setup, keeps, json, .. } = Prepared::of(asked, quiet, &mut interrupts, false)?;
+    let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
+    let mut command = command("upper", &asked.machine, key)?;
+    command.arg("--at").arg(at);
+    let link = Link::start(command)?;
+    let mut far = Far { setup: &setup, link, interrupts: caught, wish: Wish::None, at, quiet };
+    let ended = far.run(&asked_for(asked, &setup));
+    far.link.end();
+    let value = ended?;
+    if let Some(error) = value["error"].as_str() {
+        return Err(CliError::Machine(format!("{at}: {error}")));
+    }
+    let summary: Summary = serde_json::from_value(value["summary"].clone())
+        .map_err(|error| CliError::Machine(format!("the summary of {at}: {error}")))?;
+    if let Some(folder) = value["folder"].as_str().filter(|_| !quiet && !json) {
+        words::say(&format!("the run folder is {folder} at {at}\n"));
+    }
+    let kept = keeps.map_or(Ok(()), |keeps| keeps.what_is_left(&setup.program, summary.outcome));
+    // What the program was lies there, with all that the run has left.
+    drop(setup);
+    tell_end(&summary, None, if json { Form::Json } else { Form::Printed }, quiet)?;
+    kept.map(|()| status(&summary))
+}
+
+/// The run as the other computer is asked for it: the program, then what is not in the files.
+fn asked_for(asked: &RunArgs, setup: &Setup) -> Vec<String> {
+    use clap::ValueEnum as _;
+    let name = |value: Option<clap::builder::PossibleValue>| value.map(|value| value.get_name().to_owned());
+    let program = setup.folder.program.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut words = vec![program, "--seed".into(), setup.seed.to_string()];
+    words.extend(["--watchdog-s".into(), asked.watchdog_s.to_string()]);
+    words.extend(name(asked.trace.to_possible_value()).into_iter().flat_map(|form| ["--trace".into(), form]));
+    words.extend(
+        name(asked.clock.to_possible_value()).into_iter().flat_map(|clock| ["--clock".into(), clock]),
+    );
+    words.extend(asked.pace.iter().flat_map(|pace| ["--pace".into(), pace.to_string()]));
+    words.extend(asked.gauge.gauge.iter().flat_map(|gauge| ["--gauge".into(), gauge.clone()]));
+    words
+}
+
+/// A run on another computer, seen from here.
+struct Far<'a> {
+    setup: &'a Setup,
+    link: Link,
+    interrupts: &'a mut Interrupts,
+    wish: Wish,
+    at: &'a str,
+    quiet: bool,
+}
+
+impl Far<'_> {
+    /// From the first word to the outcome.
+    fn run(&mut self, words: &[String]) -> Result<Value, CliError> {
+        while !matches!(self.hears()?, Some(Said::Welcome { .. })) {}
+        let folder = &self.setup.folder;
+        let (path, files) = (folder.path.clone(), folder.made_of());
+        self.link.heard.tell(&Told::Send { folder: path, files, words: words.to_vec() })?;
+        while !matches!(self.hears()?, Some(Said::Started)) {}
+        let mut space = NameSpace::create(&axes(&self.setup.machine))?;
+        let host = Host { name: Process::Interpreter.name(), modules: vec![Process::Interpreter] };
+        let mut interpreter = Started::start(self.setup, &space.address(), host)?;
+        self.link.heard.tell(&Told::Join { address: space.address(), real: false })?;
+        let deadline = Moment::in_s(START_S);
+        while space.missing(&[])?.iter().any(|process| HERE.contains(process)) {
+            self.hears()?;
+            lives(&mut interpreter)?;
+            if deadline.passed() {
+                return Err(CliError::Machine(
+                    "the interpreter did not connect; run `pitchlock doctor`".into(),
+                ));
+            }
+        }
+        space.start()?;
+        let mut over = false;
+        loop {
+            if let Some(Said::Outcome(value)) = self.hears()? {
+                return Ok(value);
+            }
+            if !over {
+                lives(&mut interpreter)?;
+                if !space.unfinished()?.iter().any(|process| HERE.contains(process)) {
+                    space.end()?;
+                    over = true;
+                }
+            }
+        }
+    }
+
+    /// What the link says next, if anything; and it hears what is pressed here.
+    fn hears(&mut self) -> Result<Option<Said>, CliError> {
+        self.looks_at_the_keyboard()?;
+        match self.link.heard.said.recv_timeout(NAP) {
+            Ok(Said::Refused(text)) => Err(CliError::Input(text)),
+            Ok(Said::Why(text)) => Err(self.lost(&text)),
+            Ok(Said::Note(text)) if !self.quiet => {
+                words::say(&format!("{text}\n"));
+                Ok(None)
+            }
+            Ok(said) => Ok(Some(said)),
+            Err(std::sync::mpsc::RecvTimeoutError::Timeout) => Ok(None),
+            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => Err(self.lost("its process has ended")),
+        }
+    }
+
+    /// What is said when nothing more will come.
+    fn lost(&self, why: &str) -> CliError {
+        CliError::Machine(format!(
+            "the link to {} is lost: {why}\nhelp: the machine there comes to rest by itself: a tool in a thread cuts its pass \
+             to the end, or leaves it; the run folder there says which",
+            self.at
+        ))
+    }
+
+    fn looks_at_the_keyboard(&mut self) -> Result<(), CliError> {
+        let wish = self.interrupts.wish();
+        if wish == self.wish {
+            return Ok(());
+        }
+        let before = std::mem::replace(&mut self.wish, wish);
+        wish.words(before).for_each(|text| words::say(&format!("{text}\n")));
+        match wish {
+            Wish::None => {}
+            Wish::Stop => self.link.heard.tell(&Told::Press(1))?,
+            Wish::EmergencyStop => self.link.heard.tell(&Told::Press(2))?,
+            Wish::End => return Err(self.lost("it was broken off here")),
+        }
+        Ok(())
+    }
+}
+
+/// Whether the interpreter lives, or has ended well.
+fn lives(interpreter: &mut Started) -> Result<(), CliError> {
+    match interpreter.has_ended()? {
+        true => Err(CliError::Machine(format!("the interpreter {}", interpreter.ending()))),
+        false => Ok(()),
+    }
+}

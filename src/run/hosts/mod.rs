@@ -1,0 +1,157 @@
+//! The two levels of the control on two computers: the interpreter on host A (`pitchlock run --at`),
+//! everything that has deadlines on host B (`pitchlock serve`). In: arguments. Out: the process of the link
+//! on either, and what it says. What crosses the wire, and how, only that process knows (`hosts/`).
+
+mod at;
+mod serve;
+
+use std::{
+    io::{BufRead as _, BufReader, Write as _},
+    os::unix::process::CommandExt as _,
+    path::Path,
+    process::{Child, ChildStdin, Command, ExitCode, Stdio},
+    sync::mpsc::{Receiver, channel},
+    time::Duration,
+};
+
+use process::{
+    link::{Said, Told},
+    shell::Clock,
+};
+
+use super::interrupts::Wish;
+use crate::{args::MachineArgs, error::CliError, words};
+
+pub(crate) use at::run_at;
+pub(crate) use serve::{HELP, ServeArgs, serve};
+
+/// Name of the program, and of the process in a summary.
+pub(super) const LINK: &str = "pitchlock-link";
+/// How long nothing is looked at while the link says nothing.
+const NAP: Duration = Duration::from_millis(20);
+
+/// So long a link may take for its last words.
+const LAST_WORDS: Duration = Duration::from_millis(500);
+
+/// A process of the link.
+pub(crate) struct Link {
+    child: Child,
+    heard: Heard,
+}
+
+/// What a link says, and what it is told.
+pub(crate) struct Heard {
+    said: Receiver<Said>,
+    ear: ChildStdin,
+    wish: Wish,
+    why: Option<String>,
+}
+
+/// Who calls whom, and as what.
+type Call<'a> = (&'a str, &'a Path);
+
+/// The command that starts the link, as one end of it.
+fn command(end: &str, machine: &MachineArgs, key: &Path) -> Result<Command, CliError> {
+    let wrong = |error: std::io::Error| CliError::Machine(error.to_string());
+    let path = std::env::current_exe().map_err(wrong)?.with_file_name(LINK);
+    if !path.exists() {
+        let text = "is not there: the link to another computer is a program of its own\nhelp: `cargo build --release \
+                    --manifest-path hosts/Cargo.toml --target-dir target` builds it; it lies beside pitchlock";
+        return Err(CliError::file(&path, text));
+    }
+    let (_, text) = machine.read()?;
+    let mut command = Command::new(path);
+    command.arg(end).arg("--key").arg(key);
+    command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
+    command.arg("--machine").arg(rig::hash::hex_of_text(&text));
+    Ok(command)
+}
+
+/// Measures the way to another computer and back, and prints a table.
+pub(crate) fn ping(machine: &MachineArgs, (at, key): (&str, &Path)) -> Result<ExitCode, CliError> {
+    let mut command = command("ping", machine, key)?;
+    let status =
+        command.arg("--at").arg(at).status().map_err(|error| CliError::Machine(error.to_string()))?;
+    Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
+}
+
+impl Link {
+    /// Starts it, in a process group of its own: Ctrl-C reaches the launcher only.
+    fn start(mut command: Command) -> Result<Link, CliError> {
+        let wrong = |error: std::io::Error| CliError::Machine(format!("cannot start {LINK}: {error}"));
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).process_group(0);
+        let mut child = command.spawn().map_err(wrong)?;
+        let (Some(ear), Some(mouth)) = (child.stdin.take(), child.stdout.take()) else {
+            return Err(CliError::Machine(format!("{LINK} has no pipes")));
+        };
+        let (sender, said) = channel();
+        let hear = move || {
+            let lines = BufReader::new(mouth).lines().map_while(Result::ok);
+            let all = lines.filter_map(|line| serde_json::from_str(&line).ok());
+            // Who started it may want nothing more.
+            all.for_each(|said| drop(sender.send(said)));
+        };
+        std::thread::Builder::new().name("link".into()).spawn(hear).map_err(wrong)?;
+        Ok(Link { child, heard: Heard { said, ear, wish: Wish::None, why: None } })
+    }
+
+    /// What it has said, if that comes soon.
+    fn says(&self) -> Option<Said> {
+        self.heard.said.recv_timeout(NAP).ok()
+    }
+
+    /// Whether it has ended, and nothing that it has said is left.
+    fn is_over(&mut self) -> bool {
+        self.child.try_wait().map_or(true, |exit| exit.is_some())
+    }
+
+    /// It takes the place of the interpreter in a name space. What is left is a child, and its pipes.
+    pub(super) fn joins(mut self, address: &str, clock: Clock) -> Result<(Child, Heard), CliError> {
+        let told = Told::Join { address: address.into(), real: clock == Clock::Real };
+        self.heard.tell(&told)?;
+        Ok((self.child, self.heard))
+    }
+
+    /// It hears that nothing more is wanted, has a moment for its last words, and is ended.
+    fn end(self) {
+        let Link { mut child, heard: Heard { said, ear, .. } } = self;
+        drop(ear);
+        let _ = said.recv_timeout(LAST_WORDS);
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+}
+
+impl Heard {
+    /// Tells it something. One that has just ended hears nothing of it: that is seen elsewhere.
+    fn tell(&mut self, told: &Told) -> Result<(), CliError> {
+        let line = serde_json::to_string(told).map_err(|error| CliError::Machine(error.to_string()))?;
+        let _ = writeln!(self.ear, "{line}");
+        Ok(())
+    }
+
+    /// What somebody at the other computer wants, all in all.
+    pub(super) fn wish(&mut self) -> Wish {
+        while let Ok(said) = self.said.try_recv() {
+            match said {
+                Said::Press(1) => self.wish = self.wish.max(Wish::Stop),
+                Said::Press(_) => self.wish = self.wish.max(Wish::EmergencyStop),
+                Said::Note(text) => words::say(&format!("{text}\n")),
+                Said::Why(text) | Said::Refused(text) => self.why = Some(text),
+                _ => {}
+            }
+        }
+        self.wish
+    }
+
+    /// Why it ended; it has.
+    pub(super) fn why(&self) -> Option<String> {
+        let last = || {
+            self.said.iter().find_map(|said| match said {
+                Said::Why(text) | Said::Refused(text) => Some(text),
+                _ => None,
+            })
+        };
+        self.why.clone().or_else(last)
+    }
+}

@@ -1,0 +1,170 @@
+//! `pitchlock serve`: the machine is here, and waits for programs of another computer. In: a machine file, an
+//! address, a key. Out: a run as any other, whose interpreter is far away; its run folder lies here.
+
+use std::{
+    fs::DirBuilder,
+    os::unix::fs::DirBuilderExt as _,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use clap::{Args, Parser as _};
+use process::link::{Said, Told};
+use serde_json::{Value, json};
+
+use super::{Link, command};
+use crate::{
+    args::MachineArgs,
+    cli::{Cli, Command},
+    error::CliError,
+    run::{Prepared, RunArgs, claim::SUMMARY, folder::arguments_of, interrupts::Interrupts},
+    words,
+};
+
+pub(crate) const HELP: &str = "Examples:
+  pitchlock-link key shop.key                                  a key; copy it to the other computer
+  pitchlock serve --machine lathe.toml --key shop.key --listen 10.0.0.2:7447
+  pitchlock run part.ngc --machine lathe.toml --key shop.key --at 10.0.0.2:7447      there
+
+Both have the same machine file and the same pitchlock, or nothing moves. Run folders are made here, as those of
+`pitchlock run`; the summary is printed on both. Ctrl-C stops a run, and between runs ends this.";
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ServeArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Address at which the other computer calls: one of this computer, on a network that nobody else is on.
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:7447")]
+    listen: String,
+    /// File with the key that both computers have (`pitchlock-link key FILE` makes one).
+    #[arg(long, value_name = "FILE")]
+    key: PathBuf,
+}
+
+/// A folder of this user for what comes; it goes with this.
+struct Incoming(PathBuf);
+
+impl Incoming {
+    fn new() -> Result<Incoming, CliError> {
+        let path = std::env::temp_dir().join(format!("pitchlock-serve-{:016x}", intake::unforeseen()));
+        let made = DirBuilder::new().mode(0o700).create(&path);
+        made.map(|()| Incoming(path.clone())).map_err(|error| CliError::file(&path, error))
+    }
+}
+
+impl Drop for Incoming {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// What may be asked for from another computer; each has a value.
+const ALLOWED: [&str; 6] = ["--seed", "--trace", "--clock", "--pace", "--gauge", "--watchdog-s"];
+
+/// Waits for programs, and runs them.
+pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    args.machine.read()?;
+    let mut interrupts = Some(Interrupts::catch()?);
+    let kept = Incoming::new()?;
+    let outcome = kept.0.join("outcome.json");
+    let mut told = false;
+    loop {
+        let incoming = Incoming::new()?;
+        let mut command = command("lower", &args.machine, &args.key)?;
+        command.arg("--listen").arg(&args.listen).arg("--into").arg(&incoming.0);
+        if outcome.exists() {
+            command.arg("--outcome").arg(&outcome);
+        }
+        let link = Link::start(command)?;
+        let Some((link, run, words)) = asked_for(link, &mut interrupts, quiet, &mut told)? else {
+            return Ok(ExitCode::SUCCESS);
+        };
+        let ended = one_run(args, (&incoming.0, &words), link, quiet, &mut interrupts);
+        let value = match &ended {
+            Ok((folder, summary)) => json!({ "run": run, "folder": folder, "summary": summary }),
+            Err(error) => {
+                words::say(&format!("error: {error}\n"));
+                json!({ "run": run, "error": error.to_string() })
+            }
+        };
+        let written = intake::replace(&outcome, value.to_string().as_bytes());
+        written.map_err(|error| CliError::file(&outcome, error))?;
+        interrupts.iter_mut().for_each(Interrupts::forget);
+    }
+}
+
+/// The link with a run that somebody asks for; `None` if nothing is wanted any more.
+fn asked_for(
+    mut link: Link,
+    interrupts: &mut Option<Interrupts>,
+    quiet: bool,
+    told: &mut bool,
+) -> Result<Option<(Link, String, Vec<String>)>, CliError> {
+    loop {
+        match link.says() {
+            Some(Said::Listening(address)) if !quiet && !std::mem::replace(told, true) => {
+                words::say(&format!("the machine waits at {address}\n"));
+            }
+            Some(Said::Run { run, words }) => return Ok(Some((link, run, words))),
+            Some(Said::Refused(text)) => return Err(CliError::Input(text)),
+            Some(Said::Why(text)) => return Err(CliError::Machine(text)),
+            Some(_) => {}
+            None if link.is_over() => {
+                return Err(CliError::Machine(format!("{} ended without a reason", super::LINK)));
+            }
+            None => {}
+        }
+        if interrupts.as_mut().is_some_and(Interrupts::is_wished) {
+            link.end();
+            return Ok(None);
+        }
+    }
+}
+
+/// The arguments of a run of files that lie in this folder.
+fn arguments(args: &ServeArgs, folder: &Path, words: &[String]) -> Result<RunArgs, CliError> {
+    let refused = |text: String| CliError::Input(format!("{text}\nhelp: install the same pitchlock on both"));
+    let (program, options) = words.split_first().ok_or_else(|| refused("no program".into()))?;
+    let (pairs, rest) = options.as_chunks::<2>();
+    if let Some([option, _]) = pairs.iter().find(|[option, _]| !ALLOWED.contains(&option.as_str())) {
+        return Err(refused(format!("{option} is not for another computer")));
+    }
+    if !rest.is_empty() || !folder.join(program).is_file() {
+        return Err(refused("the run is not whole".into()));
+    }
+    let line = ["pitchlock", "run", "program"].into_iter().chain(options.iter().map(String::as_str));
+    let parsed = Cli::try_parse_from(line).map_err(|error| refused(error.to_string()))?;
+    let Command::Run(run) = parsed.command else { return Err(refused("no run".into())) };
+    let run = RunArgs { machine: args.machine.clone(), ..run };
+    let run = arguments_of(&run, folder, program.as_ref())?;
+    // Its folder is named after the program.
+    Ok(run)
+}
+
+/// One run; its folder and its summary.
+fn one_run(
+    args: &ServeArgs,
+    (folder, words): (&Path, &[String]),
+    mut link: Link,
+    quiet: bool,
+    interrupts: &mut Option<Interrupts>,
+) -> Result<(PathBuf, Value), CliError> {
+    let prepared =
+        arguments(args, folder, words).and_then(|run| Prepared::of(&run, quiet, interrupts, false));
+    let prepared = match prepared {
+        Ok(prepared) => prepared,
+        Err(error) => {
+            link.heard.tell(&Told::Refuse(error.to_string()))?;
+            link.end();
+            return Err(error);
+        }
+    };
+    let path = prepared.setup.folder.path.clone();
+    prepared.setup.link.replace(Some(link));
+    prepared.go(quiet, interrupts, None)?;
+    let summary = path.join(SUMMARY);
+    let text = intake::text(&summary, intake::SUMMARY).map_err(|error| CliError::file(&summary, error))?;
+    let summary = serde_json::from_str(&text).map_err(|error| CliError::file(&summary, error))?;
+    let absolute = path.canonicalize().unwrap_or(path);
+    Ok((absolute, summary))
+}
