@@ -126,7 +126,10 @@ impl Launch<'_> {
             let news = self.take()?;
             self.look_at_the_keyboard()?;
             self.look_at_the_panel()?;
-            self.look_for_the_dead()?;
+            // In lock step the machine stands soon when somebody has died.
+            if news == 0 || self.setup.clock == Clock::Real {
+                self.look_for_the_dead()?;
+            }
             let recorded = self.record(force)?;
             self.endings.ends(self.supervisor.end());
             match self.supervisor.end() {

@@ -110,6 +110,11 @@ impl Folder {
         Ok(config)
     }
 
+    /// How every name of its shared memory begins.
+    pub(crate) fn prefix(&self) -> String {
+        prefix(&self.id)
+    }
+
     /// Takes all the shared memory that its channels will ever use.
     pub(crate) fn take_memory(&self) -> Result<(), IpcError> {
         take_shared_memory(&prefix(&self.id))

@@ -7,13 +7,15 @@ use iceoryx2::prelude::{LogLevel, NodeBuilder, SignalHandlingMode, ipc};
 use protocol::Payload;
 
 use super::{
-    Channel, ChannelCount, IpcError, Patience, Port, Process, Receiver, Sender, Waker, channel,
+    Channel, ChannelCount, IpcError, Patience, Port, Process, Receiver, Sender, Waker,
+    bell::Bells,
+    channel,
     count::CountPacket,
     folder::Folder,
     orphan::{self, Presence, is_orphan},
     port::Node,
     time::{Moment, sleep_until},
-    wake::{AWAITED, DONE, END, Ear, GO_ON, GONE, QUIT, READY, ROLL_CALL, START, WAITS, wake_name},
+    wake::{AWAITED, DONE, END, Ear, GO_ON, GONE, QUIT, READY, START, WAITS},
 };
 
 /// One process of the machine: opens ports, waits, starts and ends together with the others.
@@ -23,6 +25,7 @@ pub struct Member {
     ear: Ear,
     roll_call: Waker,
     counts: Option<Sender<CountPacket>>,
+    bells: Bells,
     pub(crate) node: Node,
     // Released last, and by ports after this: while it is held, nobody takes the name space for abandoned.
     presence: Option<Presence>,
@@ -38,18 +41,19 @@ impl Member {
         let folder = Folder::enter(address)?;
         orphan::watch_for(folder.owner())?;
         let node = create_node(&folder, process)?;
-        let mut member = Member::new(node, process)?;
+        let mut member = Member::new(node, Bells::open(&folder)?, process)?;
         member.counts = Some(Sender::open(&member.node, channel::COUNT, Patience::Forever)?);
         member.presence = Some(Presence::new(folder));
         Ok(member)
     }
 
-    pub(crate) fn new(node: Node, process: Process) -> Result<Member, IpcError> {
+    pub(crate) fn new(node: Node, bells: Bells, process: Process) -> Result<Member, IpcError> {
         Ok(Member {
             process,
-            ear: Ear::open(&node, wake_name(process))?,
-            roll_call: Waker::open(&node, ROLL_CALL.into())?,
+            ear: Ear::open(&node, &bells, process)?,
+            roll_call: Waker::roll_call(&bells),
             counts: None,
+            bells,
             node,
             presence: None,
         })
@@ -76,7 +80,7 @@ impl Member {
     /// # Errors
     /// [`IpcError::Bus`].
     pub fn waker(&self, process: Process) -> Result<Waker, IpcError> {
-        Ok(Waker::open(&self.node, wake_name(process))?.within(self.presence.clone()))
+        Ok(Waker::open(&self.node, &self.bells, process)?.within(self.presence.clone()))
     }
 
     /// Rendezvous. Waits until every one of these ports has found its other ends, tells the launcher, and

@@ -35,6 +35,7 @@
 //! number. And nobody cleans up while others work: only the owner does, when a process has died or all have
 //! ended.
 
+mod bell;
 pub mod channel;
 pub mod child;
 pub mod computer;

@@ -6,13 +6,13 @@ use std::any::Any;
 use protocol::Axis;
 
 use super::{
-    ChannelCount, IpcError, Member, Port, Process, Receiver, Waker, channel, computer,
+    ChannelCount, IpcError, Member, Port, Process, Receiver, Waker,
+    bell::Bells,
+    channel, computer,
     count::CountPacket,
     folder::Folder,
     member::create_node,
-    wake::{
-        AWAITED, DONE, END, Ear, GO_ON, GONE, QUIT, READY, ROLL_CALL, START, WAITS, create_event, wake_name,
-    },
+    wake::{AWAITED, DONE, END, Ear, GO_ON, GONE, QUIT, READY, START, WAITS, create_event},
 };
 
 /// The channels of one machine. The launcher creates it before it starts processes, and drops it after they
@@ -56,17 +56,15 @@ impl NameSpace {
         for channel in channel::all(axes) {
             services.push((channel.create)(&node)?);
         }
-        let members = Process::members(axes);
-        for process in members.iter().chain([&Process::Launcher]) {
-            services.push(Box::new(create_event(&node, &wake_name(*process))?));
-        }
-        services.push(Box::new(create_event(&node, ROLL_CALL)?));
+        services.push(Box::new(create_event(&node)?));
+        let bells = Bells::create(&folder.0)?;
         folder.0.take_memory()?;
-        let member = Member::new(node, Process::Launcher)?;
+        let ear = Ear::roll_call(&bells);
+        let member = Member::new(node, bells, Process::Launcher)?;
         let waker = |process: Process| Ok((process, member.waker(process)?));
         Ok(NameSpace {
-            wakers: members.into_iter().map(waker).collect::<Result<_, IpcError>>()?,
-            ear: Ear::open(&member.node, ROLL_CALL.into())?,
+            wakers: Process::members(axes).into_iter().map(waker).collect::<Result<_, IpcError>>()?,
+            ear,
             counts: member.receiver(channel::COUNT)?,
             member,
             _services: services,

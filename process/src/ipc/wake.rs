@@ -1,14 +1,17 @@
-//! Wake-ups: one event per process, which everybody may ring and only that process hears.
+//! Wake-ups: every process has an ear that everybody may reach and only it hears.
 //!
 //! A wake-up carries a number. [`DATA`] only says "look"; the others are what the owner tells: start, end,
 //! who has died, and some that are for the plant alone. They are counted in shared memory and never lost, but
 //! several may arrive as one, and one may arrive for nothing: whoever waits looks at its receivers again.
 //!
-//! No sleep is without limit. iceoryx2 0.10.0 notifies in three steps: note the number, send a datagram, mark
-//! the event as notified. A listener that swallows the datagram of a sender who is interrupted before the
-//! third step, and sleeps again, lies beside an event that is marked: nobody sends a datagram to it any more.
-//! A listener whose sleep ends by itself finds what was noted. The limit costs nothing, and decides nothing
-//! but how long such a rare case takes.
+//! Members hear [bells](super::bell). The launcher, which also waits for what comes by a socket, hears an
+//! event of iceoryx2, which is one, and only ever that there may be data.
+//!
+//! No sleep is without limit. A signal may come just before it, and iceoryx2 0.10.0 notifies in three steps:
+//! note the number, send a datagram, mark the event as notified. A listener that swallows the datagram of a
+//! sender who is interrupted before the third step, and sleeps again, lies beside an event that is marked:
+//! nobody sends a datagram to it any more. Who wakes by itself finds what was noted. The limit costs nothing,
+//! and decides nothing but how long such a rare case takes.
 
 use std::{
     os::fd::{AsRawFd as _, BorrowedFd},
@@ -27,6 +30,7 @@ use iceoryx2_bb_posix::{
 
 use super::{
     IpcError, Port, Process,
+    bell::{BellOf, Bells},
     orphan::Presence,
     port::{Node, service_name},
 };
@@ -46,6 +50,8 @@ pub(crate) const GONE: usize = 3;
 pub(crate) const QUIT: usize = GONE + Process::COUNT;
 /// To the plant, which stands because somebody is to be killed or stopped in this cycle: it is done.
 pub(crate) const GO_ON: usize = QUIT + 1;
+/// Where members answer the owner.
+const ROLL_CALL: &str = "roll-call";
 /// On the roll call: `READY + number`, connected.
 pub(crate) const READY: usize = 0;
 /// On the roll call: `DONE + number`, finished.
@@ -57,24 +63,22 @@ pub(crate) const AWAITED: usize = 3 * Process::COUNT;
 
 type Service = PortFactory<ipc::Service>;
 
-/// Name of the event on which members answer the owner.
-pub(crate) const ROLL_CALL: &str = "roll-call";
-
-/// Name of the event that wakes a process.
+/// Name of the ear of a process.
 pub(crate) fn wake_name(process: Process) -> String {
     format!("wake/{}", process.name())
 }
 
-/// The owner's part: the event exists before anybody opens it.
-pub(crate) fn create_event(node: &Node, name: &str) -> Result<Service, IpcError> {
-    node.service_builder(&service_name(name)?)
+/// The owner's part: the launcher's event exists before anybody opens it.
+pub(crate) fn create_event(node: &Node) -> Result<Service, IpcError> {
+    let name = wake_name(Process::Launcher);
+    node.service_builder(&service_name(&name)?)
         .event()
         .max_listeners(1)
         .max_notifiers(2 * Process::COUNT)
         .max_nodes(Process::COUNT + 1)
-        .event_id_max_value(4 * Process::COUNT)
+        .event_id_max_value(DATA)
         .create()
-        .map_err(|error| IpcError::bus(name, error))
+        .map_err(|error| IpcError::bus(&name, error))
 }
 
 fn open_event(node: &Node, name: &str) -> Result<Service, IpcError> {
@@ -85,16 +89,34 @@ fn open_event(node: &Node, name: &str) -> Result<Service, IpcError> {
 #[derive(Debug)]
 pub struct Waker {
     name: String,
-    service: Service,
-    notifier: Notifier<ipc::Service>,
+    way: Way,
     _presence: Option<Presence>,
 }
 
+/// How it is reached.
+#[derive(Debug)]
+enum Way {
+    Bell(BellOf),
+    Event(Service, Notifier<ipc::Service>),
+}
+
 impl Waker {
-    pub(crate) fn open(node: &Node, name: String) -> Result<Waker, IpcError> {
-        let service = open_event(node, &name)?;
-        let notifier = service.notifier_builder().create().map_err(|error| IpcError::bus(&name, error))?;
-        Ok(Waker { name, service, notifier, _presence: None })
+    pub(crate) fn open(node: &Node, bells: &Bells, process: Process) -> Result<Waker, IpcError> {
+        let name = wake_name(process);
+        let way = if process == Process::Launcher {
+            let service = open_event(node, &name)?;
+            let notifier =
+                service.notifier_builder().create().map_err(|error| IpcError::bus(&name, error))?;
+            Way::Event(service, notifier)
+        } else {
+            Way::Bell(bells.of(process))
+        };
+        Ok(Waker { name, way, _presence: None })
+    }
+
+    /// Answers the owner, which only looks.
+    pub(crate) fn roll_call(bells: &Bells) -> Waker {
+        Waker { name: ROLL_CALL.into(), way: Way::Bell(bells.roll_call()), _presence: None }
     }
 
     /// As long as this end is open, its process lives in the name space.
@@ -106,16 +128,19 @@ impl Waker {
     /// whoever waits for its answer will notice.
     ///
     /// # Errors
-    /// [`IpcError::Bus`] if the event is broken.
+    /// [`IpcError::Bus`] if the way to it is broken.
     pub fn wake(&self) -> Result<(), IpcError> {
         self.tell(DATA)
     }
 
     pub(crate) fn tell(&self, what: usize) -> Result<(), IpcError> {
-        self.notifier
-            .notify_with_custom_event_id(EventId::new(what))
-            .map(|_| ())
-            .map_err(|error| IpcError::bus(&self.name, error))
+        match &self.way {
+            Way::Bell(bell) => bell.ring(what).map_err(|error| IpcError::bus(&self.name, error)),
+            Way::Event(_, notifier) => notifier
+                .notify_with_custom_event_id(EventId::new(what))
+                .map(|_| ())
+                .map_err(|error| IpcError::bus(&self.name, error)),
+        }
     }
 }
 
@@ -125,7 +150,10 @@ impl Port for Waker {
     }
 
     fn connected(&self) -> Result<bool, IpcError> {
-        Ok(self.service.dynamic_config().number_of_listeners() == 1)
+        Ok(match &self.way {
+            Way::Bell(bell) => bell.has_listener(),
+            Way::Event(service, _) => service.dynamic_config().number_of_listeners() == 1,
+        })
     }
 }
 
@@ -163,15 +191,36 @@ impl SynchronousMultiplexing for Beside {}
 #[derive(Debug)]
 pub(crate) struct Ear {
     name: String,
-    listener: Listener<ipc::Service>,
+    hears: Hears,
     pub(crate) heard: Heard,
 }
 
+/// What it hears.
+#[derive(Debug)]
+enum Hears {
+    Bell(BellOf),
+    Event(Listener<ipc::Service>),
+}
+
 impl Ear {
-    pub(crate) fn open(node: &Node, name: String) -> Result<Ear, IpcError> {
+    pub(crate) fn open(node: &Node, bells: &Bells, process: Process) -> Result<Ear, IpcError> {
+        let name = wake_name(process);
+        if process != Process::Launcher {
+            return Ok(Ear::on(bells.of(process), name));
+        }
         let service = open_event(node, &name)?;
         let listener = service.listener_builder().create().map_err(|error| IpcError::bus(&name, error))?;
-        Ok(Ear { name, listener, heard: Heard::default() })
+        Ok(Ear { name, hears: Hears::Event(listener), heard: Heard::default() })
+    }
+
+    /// The owner's, for what members answer.
+    pub(crate) fn roll_call(bells: &Bells) -> Ear {
+        Ear::on(bells.roll_call(), ROLL_CALL.into())
+    }
+
+    fn on(bell: BellOf, name: String) -> Ear {
+        bell.is_listened_to();
+        Ear { name, hears: Hears::Bell(bell), heard: Heard::default() }
     }
 
     /// Sleeps until woken, or not at all if that has happened since the last time.
@@ -181,30 +230,41 @@ impl Ear {
 
     /// The same with a limit, which the operating system may stretch by ten milliseconds and more.
     pub(crate) fn wait_at_most(&mut self, limit: Duration) -> Result<(), IpcError> {
-        self.listen(|listener, note| listener.timed_wait(note, limit))
+        match &self.hears {
+            Hears::Bell(bell) => {
+                bell.sleep(limit).map_err(|error| IpcError::bus(&self.name, error))?;
+                self.look()
+            }
+            Hears::Event(_) => self.listen(|listener, note| listener.timed_wait(note, limit)),
+        }
     }
 
-    /// The same, and no longer than until something can be read here, or its other end is closed. Where the
-    /// system cannot wait for both, it is the plain wait.
+    /// The same, and no longer than until something can be read here, or its other end is closed. Where that
+    /// cannot be waited for, it is the plain wait.
     pub(crate) fn wait_beside(&mut self, beside: BorrowedFd, limit: Duration) -> Result<(), IpcError> {
         if self.waits_for_both(beside, limit) { self.look() } else { self.wait_at_most(limit) }
     }
 
     /// Waits, and says whether it could.
     fn waits_for_both(&self, beside: BorrowedFd, limit: Duration) -> bool {
+        let Hears::Event(listener) = &self.hears else { return false };
         let set = WaitSetBuilder::new().signal_handling_mode(SignalHandlingMode::Disabled);
         let Ok(set) = set.create::<ipc::Service>() else { return false };
         let Some(beside) = FileDescriptor::non_owning_new(beside.as_raw_fd()).map(Beside) else {
             return false;
         };
-        let (own, other) = (set.attach_notification(&self.listener), set.attach_notification(&beside));
+        let (own, other) = (set.attach_notification(listener), set.attach_notification(&beside));
         let waits = own.is_ok() && other.is_ok();
         waits && set.wait_and_process_once_with_timeout(|_| CallbackProgression::Continue, limit).is_ok()
     }
 
     /// Takes what has been heard, without sleeping.
     pub(crate) fn look(&mut self) -> Result<(), IpcError> {
-        self.listen(|listener, note| listener.try_wait(note))
+        match &self.hears {
+            Hears::Bell(bell) => self.heard.0 |= bell.take(),
+            Hears::Event(_) => self.listen(|listener, note| listener.try_wait(note))?,
+        }
+        Ok(())
     }
 
     fn listen(
@@ -215,8 +275,9 @@ impl Ear {
         ) -> Result<u64, iceoryx2::port::listener::ListenerWaitError>,
     ) -> Result<(), IpcError> {
         use iceoryx2::port::listener::ListenerWaitError;
+        let Hears::Event(listener) = &self.hears else { return Ok(()) };
         let heard = &mut self.heard.0;
-        match how(&self.listener, &mut |event| *heard |= 1 << event.id.as_value()) {
+        match how(listener, &mut |event| *heard |= 1 << event.id.as_value()) {
             Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
             Err(error) => Err(IpcError::bus(&self.name, error)),
         }
