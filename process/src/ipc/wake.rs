@@ -97,7 +97,7 @@ pub struct Waker {
 #[derive(Debug)]
 enum Way {
     Bell(BellOf),
-    Event(Service, Notifier<ipc::Service>),
+    Event(Box<(Service, Notifier<ipc::Service>)>),
 }
 
 impl Waker {
@@ -107,7 +107,7 @@ impl Waker {
             let service = open_event(node, &name)?;
             let notifier =
                 service.notifier_builder().create().map_err(|error| IpcError::bus(&name, error))?;
-            Way::Event(service, notifier)
+            Way::Event(Box::new((service, notifier)))
         } else {
             Way::Bell(bells.of(process))
         };
@@ -136,7 +136,8 @@ impl Waker {
     pub(crate) fn tell(&self, what: usize) -> Result<(), IpcError> {
         match &self.way {
             Way::Bell(bell) => bell.ring(what).map_err(|error| IpcError::bus(&self.name, error)),
-            Way::Event(_, notifier) => notifier
+            Way::Event(event) => event
+                .1
                 .notify_with_custom_event_id(EventId::new(what))
                 .map(|_| ())
                 .map_err(|error| IpcError::bus(&self.name, error)),
@@ -152,7 +153,7 @@ impl Port for Waker {
     fn connected(&self) -> Result<bool, IpcError> {
         Ok(match &self.way {
             Way::Bell(bell) => bell.has_listener(),
-            Way::Event(service, _) => service.dynamic_config().number_of_listeners() == 1,
+            Way::Event(event) => event.0.dynamic_config().number_of_listeners() == 1,
         })
     }
 }
@@ -199,7 +200,7 @@ pub(crate) struct Ear {
 #[derive(Debug)]
 enum Hears {
     Bell(BellOf),
-    Event(Listener<ipc::Service>),
+    Event(Box<Listener<ipc::Service>>),
 }
 
 impl Ear {
@@ -210,7 +211,7 @@ impl Ear {
         }
         let service = open_event(node, &name)?;
         let listener = service.listener_builder().create().map_err(|error| IpcError::bus(&name, error))?;
-        Ok(Ear { name, hears: Hears::Event(listener), heard: Heard::default() })
+        Ok(Ear { name, hears: Hears::Event(Box::new(listener)), heard: Heard::default() })
     }
 
     /// The owner's, for what members answer.
@@ -253,7 +254,7 @@ impl Ear {
         let Some(beside) = FileDescriptor::non_owning_new(beside.as_raw_fd()).map(Beside) else {
             return false;
         };
-        let (own, other) = (set.attach_notification(listener), set.attach_notification(&beside));
+        let (own, other) = (set.attach_notification(&**listener), set.attach_notification(&beside));
         let waits = own.is_ok() && other.is_ok();
         waits && set.wait_and_process_once_with_timeout(|_| CallbackProgression::Continue, limit).is_ok()
     }
