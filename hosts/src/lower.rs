@@ -131,6 +131,7 @@ fn place(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<Option<(
 fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), LinkError> {
     let Some((address, real)) = place(wire, door, session)? else { return Ok(()) };
     let mut member = Member::join(&address, Process::Interpreter)?;
+    wire.wakes(member.doorbell());
     let mut code = member.sender(channel::MACHINE_CODE, Patience::Forever)?;
     let mut credit = member.receiver(channel::CREDIT)?;
     let interpolator = member.waker(Process::Interpolator)?;
@@ -162,7 +163,7 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
         }
         if !enough {
             session.lives()?;
-            member.wait_beside(wire.bell(), NAP)?;
+            member.wait_at_most(NAP)?;
         }
     }
     if !enough {

@@ -192,6 +192,7 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
         session.lives()?;
     };
     let mut member = Member::join(&address, Process::Interpolator)?;
+    wire.wakes(member.doorbell());
     let mut code = member.receiver(channel::MACHINE_CODE)?;
     let mut credit = member.sender(channel::CREDIT, Patience::Forever)?;
     let interpreter = member.waker(Process::Interpreter)?;
@@ -222,7 +223,7 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
         }
         session.lives()?;
         if !enough {
-            member.wait_beside(wire.bell(), AGAIN)?;
+            member.wait_at_most(AGAIN)?;
         }
     }
     Ok(member.finish(&[code.count(), credit.count()])?)

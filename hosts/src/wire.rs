@@ -1,24 +1,20 @@
 //! The wire: Zenoh between two hosts, at an address that is named. In: bytes to send. Out: bytes that came,
-//! lines of whoever started this process, and that one of both is there (a bell that a process can sleep
-//! beside).
+//! and lines of whoever started this process; the member that carries them is woken.
 //!
 //! Multicast and gossip are off, so nobody is looked for and nobody is told of us. What is sent waits for a
 //! place instead of being dropped (Zenoh drops by default), goes before anything else, and is not kept back
 //! to fill a packet.
 
 use std::{
-    io::{BufRead as _, Read as _, Write as _},
-    os::{
-        fd::{AsFd as _, BorrowedFd},
-        unix::net::UnixStream,
-    },
+    io::BufRead as _,
     sync::{
-        Arc,
-        mpsc::{Receiver, SyncSender, TryRecvError, sync_channel},
+        Arc, OnceLock,
+        mpsc::{Receiver, SyncSender, sync_channel},
     },
     time::Duration,
 };
 
+use process::ipc::Doorbell;
 use zenoh::{
     Wait as _,
     qos::{CongestionControl, Priority},
@@ -50,26 +46,27 @@ pub enum Event {
     Closed,
 }
 
-/// Where events come from: they are queued, and the bell rings.
+/// Where events come from: they are queued, and who carries them is woken.
 #[derive(Clone)]
 struct Source {
     events: SyncSender<Event>,
-    bell: Arc<UnixStream>,
+    bell: Arc<OnceLock<Doorbell>>,
 }
 
 impl Source {
     fn happened(&self, event: Event) {
         // A queue that is full loses it; the count of messages tells.
         let _ = self.events.try_send(event);
-        // A bell that rings already need not be rung.
-        let _ = (&*self.bell).write(&[1]);
+        if let Some(bell) = self.bell.get() {
+            // Who cannot be woken looks by himself.
+            let _ = bell.ring();
+        }
     }
 }
 
 /// The end of the wire at this host.
 pub struct Wire {
     events: Receiver<Event>,
-    bell: UnixStream,
     source: Source,
     mouth: Mouth,
     _session: zenoh::Session,
@@ -123,13 +120,7 @@ impl Wire {
         let wrong = |error: zenoh::Error| LinkError::Input(format!("{address}: {error}"));
         let session = zenoh::open(config(at, address)?).wait().map_err(wrong)?;
         let (sender, events) = sync_channel(WAITING);
-        let pair = UnixStream::pair().and_then(|(bell, hammer)| {
-            bell.set_nonblocking(true)?;
-            hammer.set_nonblocking(true)?;
-            Ok((bell, hammer))
-        });
-        let (bell, hammer) = pair.map_err(|error| LinkError::broken("a pair of sockets", error))?;
-        let source = Source { events: sender, bell: Arc::new(hammer) };
+        let source = Source { events: sender, bell: Arc::default() };
         let (out, back) = match at {
             Level::Upper => (way(Level::Upper), way(Level::Lower)),
             Level::Lower => (way(Level::Lower), way(Level::Upper)),
@@ -145,7 +136,7 @@ impl Wire {
             }
         });
         subscriber.background().wait().map_err(wrong)?;
-        Ok(Wire { events, bell, source, mouth: Mouth(Arc::new(publisher)), _session: session })
+        Ok(Wire { events, source, mouth: Mouth(Arc::new(publisher)), _session: session })
     }
 
     /// What speaks on it.
@@ -169,31 +160,19 @@ impl Wire {
         thread.map(drop).map_err(|error| LinkError::broken("a thread", error))
     }
 
+    /// From here on, events wake this member.
+    pub fn wakes(&self, bell: Doorbell) {
+        // A wire is carried by one member.
+        let _ = self.source.bell.set(bell);
+    }
+
     /// The oldest event that waits, if any.
     pub fn look(&self) -> Option<Event> {
-        match self.events.try_recv() {
-            Ok(event) => Some(event),
-            // Nobody hangs up as long as this end is open.
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => {
-                self.hush();
-                // One may have come between both.
-                self.events.try_recv().ok()
-            }
-        }
+        self.events.try_recv().ok()
     }
 
     /// The same, and waits so long for one.
     pub fn wait(&self, most: Duration) -> Option<Event> {
         self.events.recv_timeout(most).ok()
-    }
-
-    /// What can be read when there may be events.
-    pub fn bell(&self) -> BorrowedFd<'_> {
-        self.bell.as_fd()
-    }
-
-    fn hush(&self) {
-        let mut bytes = [0; 256];
-        while (&self.bell).read(&mut bytes).is_ok_and(|read| read == bytes.len()) {}
     }
 }

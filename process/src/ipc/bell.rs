@@ -13,7 +13,10 @@
 //! (`SeqCst`). It takes a system call to fall asleep and one to wake who sleeps (futex(2)), none to ring for
 //! who is awake, and none to look.
 
-use std::{rc::Rc, sync::atomic::Ordering::SeqCst, time::Duration};
+use std::{
+    sync::{Arc, atomic::Ordering::SeqCst},
+    time::Duration,
+};
 
 use iceoryx2::prelude::{SemanticString, ZeroCopySend};
 use iceoryx2_bb_concurrency::atomic::{AtomicU32, AtomicU64};
@@ -32,7 +35,7 @@ use rustix::{
     time::Timespec,
 };
 
-use super::{IpcError, Process, folder::Folder};
+use super::{IpcError, Process, folder::Folder, wake::DATA};
 
 /// Everybody's, and the roll call.
 const COUNT: usize = Process::COUNT + 1;
@@ -57,7 +60,7 @@ struct Bell {
 
 /// All bells of a name space.
 #[derive(Clone, Debug)]
-pub(crate) struct Bells(Rc<Storage<[Bell; COUNT]>>);
+pub(crate) struct Bells(Arc<Storage<[Bell; COUNT]>>);
 
 impl Bells {
     /// The owner's part: they exist before anybody rings.
@@ -68,7 +71,7 @@ impl Bells {
                 bells.write(Default::default());
                 true
             });
-        Ok(Bells(Rc::new(storage.create().map_err(|error| IpcError::bus(NAME, error))?)))
+        Ok(Bells(Arc::new(storage.create().map_err(|error| IpcError::bus(NAME, error))?)))
     }
 
     /// Opens those that the owner made.
@@ -76,7 +79,7 @@ impl Bells {
         let (name, configuration) = place(folder)?;
         let storage = Builder::new(&name).config(&configuration).has_ownership(false);
         let storage = storage.open(AccessMode::ReadWrite);
-        Ok(Bells(Rc::new(storage.map_err(|error| IpcError::bus(NAME, error))?)))
+        Ok(Bells(Arc::new(storage.map_err(|error| IpcError::bus(NAME, error))?)))
     }
 
     /// That of a process.
@@ -150,6 +153,20 @@ impl BellOf {
             Err(Errno::AGAIN | Errno::INTR | Errno::TIMEDOUT) | Ok(()) => Ok(()),
             Err(error) => Err(error),
         }
+    }
+}
+
+/// Wakes a member from other threads of its own process, for what does not come by a channel.
+#[derive(Clone, Debug)]
+pub struct Doorbell(pub(super) BellOf);
+
+impl Doorbell {
+    /// Wakes it: it may have something to look at.
+    ///
+    /// # Errors
+    /// [`IpcError::Bus`] if the system refuses.
+    pub fn ring(&self) -> Result<(), IpcError> {
+        self.0.ring(DATA).map_err(|error| IpcError::bus(NAME, error))
     }
 }
 

@@ -8,7 +8,7 @@ use protocol::Payload;
 
 use super::{
     Channel, ChannelCount, IpcError, Patience, Port, Process, Receiver, Sender, Waker,
-    bell::Bells,
+    bell::{Bells, Doorbell},
     channel,
     count::CountPacket,
     folder::Folder,
@@ -83,6 +83,12 @@ impl Member {
         Ok(Waker::open(&self.node, &self.bells, process)?.within(self.presence.clone()))
     }
 
+    /// What wakes this member from another thread of its process. The launcher does not hear it: it waits
+    /// [beside](Member::wait_beside) what it waits for.
+    pub fn doorbell(&self) -> Doorbell {
+        Doorbell(self.bells.of(self.process))
+    }
+
     /// Rendezvous. Waits until every one of these ports has found its other ends, tells the launcher, and
     /// returns when it says that everybody has come so far.
     ///
@@ -145,7 +151,8 @@ impl Member {
         self.ear.wait_at_most(limit)
     }
 
-    /// The same, and no longer than until something can be read here.
+    /// The same, and no longer than until something can be read here. For the launcher: others have a
+    /// [doorbell](Member::doorbell), and wait as ever.
     ///
     /// # Errors
     /// [`IpcError::Bus`] if the event is broken.

@@ -51,6 +51,7 @@ pub mod real_time;
 pub mod time;
 mod wake;
 
+pub use bell::Doorbell;
 pub use channel::{Channel, Keep};
 pub use count::{ChannelCount, of_the_living, total};
 pub use layout::{Host, Layout, hosts};
