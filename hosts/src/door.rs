@@ -14,7 +14,7 @@ use crate::{
 
 /// Who says that the keys differ says it without one: nobody relies on it.
 pub const OTHER_KEY: &[u8] = b"K";
-/// Sessions that have begun and are not yet a run, at most; the oldest goes.
+/// Sessions that have begun and are not yet a run, at most; the oldest goes of those of which nothing has come.
 const BEFORE: usize = 4;
 /// Most files of a run, and most bytes of all together.
 const FILES: usize = 1000;
@@ -26,6 +26,8 @@ struct Before {
     /// Our own number.
     own: Nonce,
     name: String,
+    /// A sealed message has come: whoever greeted has the key, and is no recording of one.
+    proved: bool,
     session: Session,
     files: Vec<(String, Vec<u8>)>,
     wants: Wants,
@@ -71,7 +73,9 @@ impl Door {
         if Greeting::Hello.is(bytes) {
             let Some(hello) = opened::<Hello>(Greeting::Hello, &self.key, bytes) else {
                 self.strangers += 1;
-                return self.mouth.say(OTHER_KEY.to_vec()).map(|()| None);
+                // Who has a run does not spend its time on strangers.
+                let answers = self.on.is_none();
+                return if answers { self.mouth.say(OTHER_KEY.to_vec()).map(|()| None) } else { Ok(None) };
             };
             return self.greeted(hello).map(|()| None);
         }
@@ -81,13 +85,17 @@ impl Door {
         // Who loses messages here begins anew.
         let heard = self.before[at].session.hear(bytes);
         let (Ok(Some(message)), before) = (heard, &mut self.before[at]) else { return Ok(None) };
+        before.proved = true;
         match message {
             Message::Ping(bytes) => before.session.voice.say(&Message::Pong(bytes))?,
             Message::File(name, bytes) => {
                 let all = before.files.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
-                if before.files.len() < FILES && all + bytes.len() <= FILE {
-                    before.files.push((name, bytes));
+                if before.files.len() == FILES || all + bytes.len() > FILE {
+                    let text = format!("a run has at most {FILES} files and {} MB of them", FILE >> 20);
+                    before.session.voice.say(&Message::Refused(text))?;
+                    return Ok(None);
                 }
+                before.files.push((name, bytes));
             }
             Message::Begin(_) if self.on.is_some() || before.wants != Wants::Run => {
                 let text = "the machine runs another program: wait until it has ended";
@@ -139,9 +147,10 @@ impl Door {
         let name = named(&sealer.name());
         let session = Session::new(Voice::new(sealer, self.mouth.clone()), opener);
         if self.before.len() == BEFORE {
-            self.before.remove(0);
+            // A greeting can be said again by anybody who has heard it; what follows it cannot.
+            self.before.remove(self.before.iter().position(|before| !before.proved).unwrap_or(0));
         }
-        self.before.push(Before { of, own, name, session, files: Vec::new(), wants });
+        self.before.push(Before { of, own, name, proved: false, session, files: Vec::new(), wants });
         Ok(own)
     }
 }

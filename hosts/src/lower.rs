@@ -23,6 +23,8 @@ use crate::{
 
 /// How long nothing is looked at when nothing comes.
 const NAP: Duration = Duration::from_millis(100);
+/// Events that are taken before anything else is looked at again.
+const ROUND: usize = 256;
 
 /// Arguments of the lower end.
 #[derive(Clone, Debug, clap::Args)]
@@ -109,7 +111,9 @@ fn place(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<Option<(
     loop {
         match wire.wait(NAP) {
             Some(Event::Frame(bytes)) => {
-                heard(door, session, &bytes)?;
+                if let Some(Message::Press(what)) = heard(door, session, &bytes)? {
+                    say(&Said::Press(what));
+                }
             }
             Some(Event::Line(line)) => match serde_json::from_str(&line) {
                 Ok(Told::Join { address, real }) => return Ok(Some((address, real))),
@@ -139,8 +143,11 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
     session.voice.say(&Message::Go)?;
     let mut enough = false;
     while !enough && !member.is_gone(Process::Interpolator) {
-        let mut any = false;
-        while let Some(event) = wire.look() {
+        let (mut any, mut taken) = (false, 0);
+        while taken < ROUND
+            && let Some(event) = wire.look()
+        {
+            taken += 1;
             let Event::Frame(bytes) = event else { continue };
             match heard(door, session, &bytes)? {
                 Some(Message::Code(bytes)) => {
@@ -163,7 +170,9 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
         }
         if !enough {
             session.lives()?;
-            member.wait_at_most(NAP)?;
+            if taken < ROUND {
+                member.wait_at_most(NAP)?;
+            }
         }
     }
     if !enough {

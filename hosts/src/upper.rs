@@ -187,9 +187,9 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
                 Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
             },
             Some(Event::Closed) => return Err(LinkError::Broken("its launcher has ended the run".into())),
-            None => {}
+            // Files may take longer than silence may; B beats when it has them.
+            None => session.lives()?,
         }
-        session.lives()?;
     };
     let mut member = Member::join(&address, Process::Interpolator)?;
     wire.wakes(member.doorbell());

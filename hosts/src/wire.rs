@@ -9,7 +9,8 @@ use std::{
     io::BufRead as _,
     sync::{
         Arc, OnceLock,
-        mpsc::{Receiver, SyncSender, sync_channel},
+        atomic::{AtomicUsize, Ordering::Relaxed},
+        mpsc::{Receiver, Sender, channel},
     },
     time::Duration,
 };
@@ -20,12 +21,17 @@ use zenoh::{
     qos::{CongestionControl, Priority},
 };
 
-use crate::{LinkError, message, seal::Level};
+use crate::{LinkError, message, seal::Level, session::SILENCE};
 
-/// What may wait to be looked at. What comes beyond that is lost, and a session ends by that.
-const WAITING: usize = 4096;
 /// Most bytes of a message: a file with its name, and what is around it.
 const MOST: usize = message::FILE + 1024;
+/// Bytes that may wait to be looked at. What comes beyond that is lost, and a session ends by that; what
+/// whoever started this process says is never.
+const WAITING: usize = MOST + (8 << 20);
+/// What a message that waits takes beside its bytes, at most.
+const AROUND: usize = 128;
+/// Connections at once: the other host, and room for those that are about to go.
+const CONNECTIONS: usize = 8;
 
 /// What crosses the wire in one direction.
 fn way(from: Level) -> &'static str {
@@ -46,17 +52,32 @@ pub enum Event {
     Closed,
 }
 
+impl Event {
+    /// Bytes that it has while it waits; what is no frame does not count.
+    fn bytes(&self) -> usize {
+        if let Event::Frame(bytes) = self { bytes.len() + AROUND } else { 0 }
+    }
+}
+
 /// Where events come from: they are queued, and who carries them is woken.
 #[derive(Clone)]
 struct Source {
-    events: SyncSender<Event>,
+    events: Sender<Event>,
+    /// Bytes that wait.
+    waiting: Arc<AtomicUsize>,
     bell: Arc<OnceLock<Doorbell>>,
 }
 
 impl Source {
     fn happened(&self, event: Event) {
-        // A queue that is full loses it; the count of messages tells.
-        let _ = self.events.try_send(event);
+        let bytes = event.bytes();
+        if self.waiting.fetch_add(bytes, Relaxed) + bytes > WAITING && bytes > 0 {
+            // The count of messages tells.
+            self.waiting.fetch_sub(bytes, Relaxed);
+            return;
+        }
+        // Who does not listen any more wants nothing more.
+        let _ = self.events.send(event);
         if let Some(bell) = self.bell.get() {
             // Who cannot be woken looks by himself.
             let _ = bell.ring();
@@ -95,7 +116,13 @@ fn config(at: Level, address: &str) -> Result<zenoh::Config, LinkError> {
         Level::Upper => ("[]", here.as_str()),
     };
     let retry = "{ period_init_ms: 50, period_max_ms: 200, period_increase_factor: 2 }";
+    let (most, connections, patience) =
+        ((MOST + 1024).to_string(), CONNECTIONS.to_string(), SILENCE.as_micros().to_string());
     for (key, value) in [
+        ("transport/link/rx/max_message_size", most.as_str()),
+        ("transport/unicast/max_sessions", &connections),
+        // Who has not taken anything for so long is given up, so nobody waits for longer to say something.
+        ("transport/link/tx/queue/congestion_control/block/wait_before_close", &patience),
         ("mode", "\"peer\""),
         ("listen/endpoints", listen),
         ("connect/endpoints", connect),
@@ -119,8 +146,8 @@ impl Wire {
     pub fn open(at: Level, address: &str) -> Result<Wire, LinkError> {
         let wrong = |error: zenoh::Error| LinkError::Input(format!("{address}: {error}"));
         let session = zenoh::open(config(at, address)?).wait().map_err(wrong)?;
-        let (sender, events) = sync_channel(WAITING);
-        let source = Source { events: sender, bell: Arc::default() };
+        let (sender, events) = channel();
+        let source = Source { events: sender, waiting: Arc::default(), bell: Arc::default() };
         let (out, back) = match at {
             Level::Upper => (way(Level::Upper), way(Level::Lower)),
             Level::Lower => (way(Level::Lower), way(Level::Upper)),
@@ -168,11 +195,15 @@ impl Wire {
 
     /// The oldest event that waits, if any.
     pub fn look(&self) -> Option<Event> {
-        self.events.try_recv().ok()
+        self.events.try_recv().ok().inspect(|event| self.taken(event))
     }
 
     /// The same, and waits so long for one.
     pub fn wait(&self, most: Duration) -> Option<Event> {
-        self.events.recv_timeout(most).ok()
+        self.events.recv_timeout(most).ok().inspect(|event| self.taken(event))
+    }
+
+    fn taken(&self, event: &Event) {
+        self.source.waiting.fetch_sub(event.bytes(), Relaxed);
     }
 }

@@ -126,7 +126,7 @@ impl Launch<'_> {
             let news = self.take()?;
             self.look_at_the_keyboard()?;
             self.look_at_the_panel()?;
-            (news == 0 || self.setup.clock == Clock::Real).then(|| self.look_for_the_dead()).transpose()?;
+            self.look_for_the_dead()?;
             let recorded = self.record(force)?;
             self.endings.ends(self.supervisor.end());
             match self.supervisor.end() {
@@ -229,7 +229,7 @@ impl Launch<'_> {
     }
 
     /// Buries those who have died since the last look. The machine is stopped first: in lock step it waits
-    /// for the dead until it hears of the death, so there it is enough to look when nothing new has come.
+    /// for the dead until it hears of the death.
     fn look_for_the_dead(&mut self) -> Result<(), CliError> {
         for index in 0..self.started.len() {
             if self.started[index].has_ended()? {

@@ -244,3 +244,22 @@ fn a_machine_that_runs_refuses_another_program_and_ctrl_c_stops_it_from_far() {
     );
     works_as_before(&place, 1);
 }
+
+/// What is pressed before there is a machine to hear it ends the run here, and nothing moves there.
+#[test]
+fn a_stop_before_the_machine_has_started_moves_nothing() {
+    let place = waiting();
+    let links = place.links(Host::B);
+    links.iter().for_each(|link| signal(*link, "STOP"));
+    let mut run = place.far(&place.at("short.ngc"), &["--trace", "none"]);
+    let run = run.stderr(Stdio::piped()).spawn().expect("it starts");
+    wait_s(1.0);
+    signal(run.id(), "INT");
+    let output = ended(run, 20.0);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    assert!(text(&output).contains("interrupted while the machine was starting"), "{}", text(&output));
+    links.iter().for_each(|link| signal(*link, "CONT"));
+    wait_s(1.0);
+    assert!(place.runs().is_empty(), "{:?}", place.runs());
+    works_as_before(&place, 0);
+}

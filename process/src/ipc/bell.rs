@@ -39,6 +39,7 @@ use super::{IpcError, Process, folder::Folder, wake::DATA};
 
 /// Everybody's, and the roll call.
 const COUNT: usize = Process::COUNT + 1;
+const _: () = assert!(super::wake::NUMBERS <= u64::BITS as usize, "a bit for each number");
 /// The name of all of them.
 const NAME: &str = "bells";
 
@@ -113,9 +114,14 @@ impl BellOf {
         &self.bells.0.get()[self.number]
     }
 
-    /// From here on it has a listener, alive or not.
-    pub(crate) fn is_listened_to(&self) {
-        self.bell().heard.store(1, SeqCst);
+    /// From here on it has a listener. False if it has one already: two would take from each other.
+    pub(crate) fn is_listened_to(&self) -> bool {
+        self.bell().heard.swap(1, SeqCst) == 0
+    }
+
+    /// Its listener leaves. One that was killed does not.
+    pub(crate) fn is_left(&self) {
+        self.bell().heard.store(0, SeqCst);
     }
 
     pub(crate) fn has_listener(&self) -> bool {

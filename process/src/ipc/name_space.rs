@@ -59,7 +59,7 @@ impl NameSpace {
         services.push(Box::new(create_event(&node)?));
         let bells = Bells::create(&folder.0)?;
         folder.0.take_memory()?;
-        let ear = Ear::roll_call(&bells);
+        let ear = Ear::roll_call(&bells)?;
         let member = Member::new(node, bells, Process::Launcher)?;
         let waker = |process: Process| Ok((process, member.waker(process)?));
         Ok(NameSpace {

@@ -60,6 +60,8 @@ pub(crate) const DONE: usize = Process::COUNT;
 pub(crate) const WAITS: usize = 2 * Process::COUNT;
 /// On the roll call: `AWAITED + number`, somebody has been waiting for that one for a while.
 pub(crate) const AWAITED: usize = 3 * Process::COUNT;
+/// All of them are below this.
+pub(crate) const NUMBERS: usize = 4 * Process::COUNT;
 
 type Service = PortFactory<ipc::Service>;
 
@@ -207,7 +209,7 @@ impl Ear {
     pub(crate) fn open(node: &Node, bells: &Bells, process: Process) -> Result<Ear, IpcError> {
         let name = wake_name(process);
         if process != Process::Launcher {
-            return Ok(Ear::on(bells.of(process), name));
+            return Ear::on(bells.of(process), name);
         }
         let service = open_event(node, &name)?;
         let listener = service.listener_builder().create().map_err(|error| IpcError::bus(&name, error))?;
@@ -215,13 +217,15 @@ impl Ear {
     }
 
     /// The owner's, for what members answer.
-    pub(crate) fn roll_call(bells: &Bells) -> Ear {
+    pub(crate) fn roll_call(bells: &Bells) -> Result<Ear, IpcError> {
         Ear::on(bells.roll_call(), ROLL_CALL.into())
     }
 
-    fn on(bell: BellOf, name: String) -> Ear {
-        bell.is_listened_to();
-        Ear { name, hears: Hears::Bell(bell), heard: Heard::default() }
+    fn on(bell: BellOf, name: String) -> Result<Ear, IpcError> {
+        if !bell.is_listened_to() {
+            return Err(IpcError::bus(&name, "it has a listener already"));
+        }
+        Ok(Ear { name, hears: Hears::Bell(bell), heard: Heard::default() })
     }
 
     /// Sleeps until woken, or not at all if that has happened since the last time.
@@ -281,6 +285,14 @@ impl Ear {
         match how(listener, &mut |event| *heard |= 1 << event.id.as_value()) {
             Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
             Err(error) => Err(IpcError::bus(&self.name, error)),
+        }
+    }
+}
+
+impl Drop for Ear {
+    fn drop(&mut self) {
+        if let Hears::Bell(bell) = &self.hears {
+            bell.is_left();
         }
     }
 }

@@ -51,7 +51,7 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     let mut command = command("upper", &asked.machine, key)?;
     command.arg("--at").arg(at);
     let link = Link::start(command)?;
-    let mut far = Far { setup: &setup, link, interrupts: caught, wish: Wish::None, at, quiet };
+    let mut far = Far { setup: &setup, link, interrupts: caught, wish: Wish::None, at, quiet, joined: false };
     let ended = far.run(&asked_for(asked, &setup));
     far.link.end();
     let value = ended?;
@@ -94,6 +94,8 @@ struct Far<'a> {
     wish: Wish,
     at: &'a str,
     quiet: bool,
+    /// The link has its place in the machine: what is pressed from here on arrives.
+    joined: bool,
 }
 
 impl Far<'_> {
@@ -108,6 +110,7 @@ impl Far<'_> {
         let host = Host { name: Process::Interpreter.name(), modules: vec![Process::Interpreter] };
         let mut interpreter = Started::start(self.setup, &space.address(), host)?;
         self.link.heard.tell(&Told::Join { address: space.address(), real: false })?;
+        self.joined = true;
         let deadline = Moment::in_s(START_S);
         while space.missing(&[])?.iter().any(|process| HERE.contains(process)) {
             self.hears()?;
@@ -165,6 +168,9 @@ impl Far<'_> {
             return Ok(());
         }
         let before = std::mem::replace(&mut self.wish, wish);
+        if !self.joined {
+            return Err(CliError::Machine("interrupted while the machine was starting".into()));
+        }
         wish.words(before).for_each(|text| words::say(&format!("{text}\n")));
         match wish {
             Wish::None => {}

@@ -129,7 +129,8 @@ fn arguments(args: &ServeArgs, folder: &Path, words: &[String]) -> Result<RunArg
     if let Some([option, _]) = pairs.iter().find(|[option, _]| !ALLOWED.contains(&option.as_str())) {
         return Err(refused(format!("{option} is not for another computer")));
     }
-    if !rest.is_empty() || !folder.join(program).is_file() {
+    let is_name = Path::new(program).file_name().is_some_and(|name| name == program.as_str());
+    if !rest.is_empty() || !is_name || !folder.join(program).is_file() {
         return Err(refused("the run is not whole".into()));
     }
     let line = ["pitchlock", "run", "program"].into_iter().chain(options.iter().map(String::as_str));
