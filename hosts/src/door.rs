@@ -14,7 +14,7 @@ use crate::{
 
 /// Who says that the keys differ says it without one: nobody relies on it.
 pub const OTHER_KEY: &[u8] = b"K";
-/// Sessions that have begun and are not yet a run, at most; the oldest goes of those of which nothing has come.
+/// Sessions that have begun and are not yet a run, at most; the oldest goes of those that have said nothing.
 const BEFORE: usize = 4;
 /// Most files of a run, and most bytes of all together.
 const FILES: usize = 1000;

@@ -176,16 +176,20 @@ fn what_was_there_before_is_not_taken_again() {
     // All of a run, but its last word was never said: in its own session it would begin.
     let file = sealer.seal(&Message::File("short.ngc".into(), SHORT.into()).bytes());
     let begin = sealer.seal(&Message::Begin(vec!["short.ngc".into()]).bytes());
-    // Four others push that session out; what is recorded of it is nobody's then.
+    // Four others that have spoken push that session out; what is recorded of it is nobody's then.
     let mut last = None;
     for _ in 0..4 {
-        last = Some(speaker.greets());
+        let (greeting, mut sealer, opener) = speaker.greets();
+        speaker.says(&sealer.seal(&Message::Ping(vec![8; 8]).bytes()));
+        last = Some((greeting, sealer, opener));
     }
     for bytes in [&greeting, &file, &begin, &file, &begin] {
         speaker.says(bytes);
     }
     wait_s(0.5);
     let (_, mut sealer, mut opener) = last.expect("four");
+    // Greetings alone, said again and again, push nobody out who has spoken.
+    (0..20).for_each(|_| speaker.says(&greeting));
     // The machine lives, and has begun nothing.
     speaker.says(&sealer.seal(&Message::Ping(vec![9; 8]).bytes()));
     assert!(speaker.hears(&mut opener).contains(&Message::Pong(vec![9; 8])));

@@ -1,8 +1,8 @@
 //! Bells: how the processes of a machine wake each other. Every one has its own, which everybody may ring and
 //! only that process hears; they lie side by side in the shared memory of the name space.
 //!
-//! A ring carries a number, which is noted before the listener is woken and stays until the listener takes it:
-//! nothing that is told is ever lost, several rings may be taken as one, and one may come for nothing.
+//! A ring carries a number, which is noted before the listener is woken and stays until the listener takes
+//! it: nothing that is told is ever lost, several rings may be taken as one, and one may come for nothing.
 //!
 //! ```text
 //! ring:   told |= 1 << what;  rung += 1;  asleep?  wake whoever sleeps on `rung`
