@@ -16,8 +16,10 @@ use crate::{
 pub const OTHER_KEY: &[u8] = b"K";
 /// Sessions that have begun and are not yet a run, at most; the oldest goes of those that have said nothing.
 const BEFORE: usize = 4;
-/// Most files of a run, and most bytes of all together.
+/// Most files of a run.
 const FILES: usize = 1000;
+/// Why nobody else is let in.
+const BUSY: &str = "the machine runs another program: wait until it has ended";
 
 /// A session that is not yet a run.
 struct Before {
@@ -98,8 +100,7 @@ impl Door {
                 before.files.push((name, bytes));
             }
             Message::Begin(_) if self.on.is_some() || before.wants != Wants::Run => {
-                let text = "the machine runs another program: wait until it has ended";
-                before.session.voice.say(&Message::Refused(text.into()))?;
+                before.session.voice.say(&Message::Refused(BUSY.into()))?;
             }
             Message::Begin(words) => {
                 let Before { name, session, files, .. } = self.before.swap_remove(at);
@@ -118,9 +119,7 @@ impl Door {
         let (own, verdict) = match (difference, hello.wants) {
             (Some(text), _) => (0, Verdict::Refused(text)),
             (None, Wants::Outcome(run)) => (0, self.became_of(&run)),
-            (None, _) if self.on.is_some() => {
-                (0, Verdict::Refused("the machine runs another program: wait until it has ended".into()))
-            }
+            (None, _) if self.on.is_some() => (0, Verdict::Refused(BUSY.into())),
             (None, wants) => (self.welcome(of, wants)?, Verdict::Welcome),
         };
         let answer = Answer { of: hello.nonce, nonce: hex(own), verdict };

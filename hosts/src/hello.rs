@@ -1,6 +1,8 @@
 //! The first message: what either host is. In: two of them. Out: what they differ in, by name, before
 //! anything moves.
 
+use std::path::PathBuf;
+
 use protocol::{CodePacket, Credit, Payload};
 use serde::{Deserialize, Serialize};
 
@@ -8,6 +10,30 @@ use crate::{
     LinkError,
     seal::{Greeting, Key, Nonce},
 };
+
+/// Arguments of either end: what it needs to be let in.
+#[derive(Clone, Debug, clap::Args)]
+pub struct HostArgs {
+    /// File with the key that both hosts have.
+    #[arg(long, value_name = "FILE")]
+    pub key: PathBuf,
+    /// Version of the control on this host.
+    #[arg(long, value_name = "VERSION")]
+    pub control: String,
+    /// BLAKE3 of its machine file.
+    #[arg(long, value_name = "HASH")]
+    pub machine: String,
+}
+
+impl HostArgs {
+    /// The key, and what this host is.
+    ///
+    /// # Errors
+    /// [`LinkError::Input`] if the key cannot be had.
+    pub fn read(&self) -> Result<(Key, Identity), LinkError> {
+        Ok((Key::read(&self.key)?, Identity::here(&self.control, &self.machine)))
+    }
+}
 
 /// What a host is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

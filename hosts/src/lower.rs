@@ -13,9 +13,9 @@ use serde_json::Value;
 use crate::{
     LinkError,
     door::{Asked, Door},
-    hello::Identity,
+    hello::HostArgs,
     message::Message,
-    seal::{Key, Level},
+    seal::Level,
     session::Session,
     talk::{Said, Told, leave, say},
     wire::{Event, Wire},
@@ -32,15 +32,8 @@ pub struct LowerArgs {
     /// Address at which it can be called.
     #[arg(long, value_name = "ADDRESS")]
     pub listen: String,
-    /// File with the key that both hosts have.
-    #[arg(long, value_name = "FILE")]
-    pub key: PathBuf,
-    /// Version of the control on this host.
-    #[arg(long, value_name = "VERSION")]
-    pub control: String,
-    /// BLAKE3 of its machine file.
-    #[arg(long, value_name = "HASH")]
-    pub machine: String,
+    #[command(flatten)]
+    host: HostArgs,
     /// Empty folder for the files of a run.
     #[arg(long, value_name = "DIR")]
     pub into: PathBuf,
@@ -62,11 +55,11 @@ fn outcome(args: &LowerArgs) -> Result<Option<(String, Value)>, LinkError> {
 /// # Errors
 /// [`LinkError`].
 pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
-    let key = Key::read(&args.key)?;
+    let (key, here) = args.host.read()?;
     let before = outcome(args)?;
     let wire = Wire::open(Level::Lower, &args.listen)?;
     wire.hear_the_parent()?;
-    let mut door = Door::new(key, Identity::here(&args.control, &args.machine), wire.mouth(), before);
+    let mut door = Door::new(key, here, wire.mouth(), before);
     say(&Said::Listening(args.listen.clone()));
     let asked = loop {
         match wire.wait(NAP) {

@@ -1,7 +1,7 @@
 //! The link on host A, in the interpolator's place: it takes machine code from the interpreter, sends it, and
 //! gives the credit that comes back. In: what `pitchlock run --at` says. Out: what became of the run.
 
-use std::{path::PathBuf, time::Duration};
+use std::time::Duration;
 
 use process::{
     ipc::{Member, Patience, Process, channel, time::Moment},
@@ -12,7 +12,7 @@ use protocol::{Credit, Payload as _};
 use crate::{
     LinkError,
     door::{OTHER_KEY, named},
-    hello::{Answer, Hello, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
+    hello::{Answer, Hello, HostArgs, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
     message::{FILE, Message},
     seal::{self, Greeting, Key, Level},
     session::{Session, Voice},
@@ -33,15 +33,8 @@ pub struct CallArgs {
     /// Address of the lower level, HOST:PORT.
     #[arg(long, value_name = "ADDRESS")]
     pub at: String,
-    /// File with the key that both hosts have.
-    #[arg(long, value_name = "FILE")]
-    pub key: PathBuf,
-    /// Version of the control on this host.
-    #[arg(long, value_name = "VERSION")]
-    pub control: String,
-    /// BLAKE3 of its machine file.
-    #[arg(long, value_name = "HASH")]
-    pub machine: String,
+    #[command(flatten)]
+    host: HostArgs,
 }
 
 /// Somebody who calls the lower level.
@@ -59,8 +52,7 @@ impl Caller {
     /// # Errors
     /// [`LinkError::Input`].
     pub fn new(args: &CallArgs) -> Result<Caller, LinkError> {
-        let key = Key::read(&args.key)?;
-        let here = Identity::here(&args.control, &args.machine);
+        let (key, here) = args.host.read()?;
         Ok(Caller { wire: Wire::open(Level::Upper, &args.at)?, key, here, at: args.at.clone() })
     }
 

@@ -19,7 +19,10 @@ use std::{
 };
 
 use iceoryx2::{
-    port::{listener::Listener, notifier::Notifier},
+    port::{
+        listener::{Listener, ListenerWaitError},
+        notifier::Notifier,
+    },
     prelude::{CallbackProgression, EventActivation, EventId, SignalHandlingMode, WaitSetBuilder, ipc},
     service::port_factory::{PortFactory as _, event::PortFactory},
 };
@@ -240,7 +243,9 @@ impl Ear {
                 bell.sleep(limit).map_err(|error| IpcError::bus(&self.name, error))?;
                 self.look()
             }
-            Hears::Event(_) => self.listen(|listener, note| listener.timed_wait(note, limit)),
+            Hears::Event(listener) => {
+                listen(&self.name, &mut self.heard, |note| listener.timed_wait(note, limit))
+            }
         }
     }
 
@@ -266,26 +271,24 @@ impl Ear {
     /// Takes what has been heard, without sleeping.
     pub(crate) fn look(&mut self) -> Result<(), IpcError> {
         match &self.hears {
-            Hears::Bell(bell) => self.heard.0 |= bell.take(),
-            Hears::Event(_) => self.listen(|listener, note| listener.try_wait(note))?,
+            Hears::Bell(bell) => {
+                self.heard.0 |= bell.take();
+                Ok(())
+            }
+            Hears::Event(listener) => listen(&self.name, &mut self.heard, |note| listener.try_wait(note)),
         }
-        Ok(())
     }
+}
 
-    fn listen(
-        &mut self,
-        how: impl FnOnce(
-            &Listener<ipc::Service>,
-            &mut dyn FnMut(EventActivation),
-        ) -> Result<u64, iceoryx2::port::listener::ListenerWaitError>,
-    ) -> Result<(), IpcError> {
-        use iceoryx2::port::listener::ListenerWaitError;
-        let Hears::Event(listener) = &self.hears else { return Ok(()) };
-        let heard = &mut self.heard.0;
-        match how(listener, &mut |event| *heard |= 1 << event.id.as_value()) {
-            Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
-            Err(error) => Err(IpcError::bus(&self.name, error)),
-        }
+/// Notes what an event has been told.
+fn listen(
+    name: &str,
+    heard: &mut Heard,
+    how: impl FnOnce(&mut dyn FnMut(EventActivation)) -> Result<u64, ListenerWaitError>,
+) -> Result<(), IpcError> {
+    match how(&mut |event| heard.note(event.id.as_value())) {
+        Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
+        Err(error) => Err(IpcError::bus(name, error)),
     }
 }
 
