@@ -29,6 +29,7 @@ mod resolution;
 mod run;
 mod screen;
 mod soak;
+mod temporary;
 mod thread;
 mod tune;
 mod varied;

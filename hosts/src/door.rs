@@ -9,17 +9,19 @@ use crate::{
     message::{FILE, Message},
     seal::{self, Greeting, Key, Level, Nonce},
     session::{Session, Voice},
-    wire::Mouth,
+    wire::Mouths,
 };
 
 /// Who says that the keys differ says it without one: nobody relies on it.
 pub const OTHER_KEY: &[u8] = b"K";
 /// Sessions that have begun and are not yet a run, at most; the oldest goes of those that have said nothing.
 const BEFORE: usize = 4;
+/// Most bytes of a greeting under another key that are looked at.
+const MOST_GREETING: usize = 4096;
 /// Most files of a run.
 const FILES: usize = 1000;
 /// Why nobody else is let in.
-const BUSY: &str = "the machine runs another program: wait until it has ended";
+const BUSY: &str = "the machine runs another program, or somebody stands at it: wait until that has ended";
 
 /// A session that is not yet a run.
 struct Before {
@@ -28,8 +30,6 @@ struct Before {
     /// Our own number.
     own: Nonce,
     name: String,
-    /// A sealed message has come: whoever greeted has the key, and is no recording of one.
-    proved: bool,
     session: Session,
     files: Vec<(String, Vec<u8>)>,
     wants: Wants,
@@ -45,13 +45,15 @@ pub struct Asked {
     pub files: Vec<(String, Vec<u8>)>,
     /// Its arguments, the program first.
     pub words: Vec<String>,
+    /// It is run by a panel.
+    pub by_panel: bool,
 }
 
 /// The door.
 pub struct Door {
     key: Key,
     here: Identity,
-    mouth: Mouth,
+    mouths: Mouths,
     before: Vec<Before>,
     /// The run that is on.
     on: Option<String>,
@@ -63,8 +65,8 @@ pub struct Door {
 
 impl Door {
     /// A door for those with this key who are as this host is.
-    pub fn new(key: Key, here: Identity, mouth: Mouth, outcome: Option<(String, Value)>) -> Door {
-        Door { key, here, mouth, before: Vec::new(), on: None, outcome, strangers: 0 }
+    pub fn new(key: Key, here: Identity, mouths: Mouths, outcome: Option<(String, Value)>) -> Door {
+        Door { key, here, mouths, before: Vec::new(), on: None, outcome, strangers: 0 }
     }
 
     /// What comes when no run is on, or is of another session than that. Gives the run that it asks for.
@@ -75,9 +77,7 @@ impl Door {
         if Greeting::Hello.is(bytes) {
             let Some(hello) = opened::<Hello>(Greeting::Hello, &self.key, bytes) else {
                 self.strangers += 1;
-                // Who has a run does not spend its time on strangers.
-                let answers = self.on.is_none();
-                return if answers { self.mouth.say(OTHER_KEY.to_vec()).map(|()| None) } else { Ok(None) };
+                return self.other_key(bytes).map(|()| None);
             };
             return self.greeted(hello).map(|()| None);
         }
@@ -85,9 +85,14 @@ impl Door {
             return Ok(None);
         };
         // Who loses messages here begins anew.
-        let heard = self.before[at].session.hear(bytes);
-        let (Ok(Some(message)), before) = (heard, &mut self.before[at]) else { return Ok(None) };
-        before.proved = true;
+        let before = &mut self.before[at];
+        let had_spoken = before.session.has_spoken;
+        let heard = before.session.hear(bytes);
+        if !had_spoken && before.session.has_spoken && before.wants != Wants::Ping {
+            // Its files may take longer than silence may.
+            before.session.voice.beat()?;
+        }
+        let Ok(Some(message)) = heard else { return Ok(None) };
         match message {
             Message::Ping(bytes) => before.session.voice.say(&Message::Pong(bytes))?,
             Message::File(name, bytes) => {
@@ -99,31 +104,40 @@ impl Door {
                 }
                 before.files.push((name, bytes));
             }
-            Message::Begin(_) if self.on.is_some() || before.wants != Wants::Run => {
+            Message::Begin(_) if self.on.is_some() || before.wants == Wants::Ping => {
                 before.session.voice.say(&Message::Refused(BUSY.into()))?;
             }
             Message::Begin(words) => {
-                let Before { name, session, files, .. } = self.before.swap_remove(at);
+                let Before { name, session, files, wants, .. } = self.before.swap_remove(at);
                 self.on = Some(name.clone());
-                return Ok(Some(Asked { run: name, session, files, words }));
+                return Ok(Some(Asked { run: name, session, files, words, by_panel: wants == Wants::Panel }));
             }
             _ => {}
         }
         Ok(None)
     }
 
+    /// Tells whoever greets under another key, unless there is a run, which does not spend its time on that.
+    fn other_key(&self, bytes: &[u8]) -> Result<(), LinkError> {
+        let said = Greeting::Hello.says(bytes).filter(|said| said.len() < MOST_GREETING && self.on.is_none());
+        let hello = said.and_then(|said| serde_json::from_slice::<Hello>(said).ok());
+        let back = hello.and_then(|hello| of_hex(&hello.back));
+        back.map_or(Ok(()), |back| self.mouths.to(back).that_does_not_wait().say(OTHER_KEY.to_vec()))
+    }
+
     /// Answers a greeting.
     fn greeted(&mut self, hello: Hello) -> Result<(), LinkError> {
-        let Some(of) = of_hex(&hello.nonce) else { return Ok(()) };
+        let (Some(of), Some(back)) = (of_hex(&hello.nonce), of_hex(&hello.back)) else { return Ok(()) };
         let difference = self.here.difference(&hello.identity);
         let (own, verdict) = match (difference, hello.wants) {
             (Some(text), _) => (0, Verdict::Refused(text)),
             (None, Wants::Outcome(run)) => (0, self.became_of(&run)),
             (None, _) if self.on.is_some() => (0, Verdict::Refused(BUSY.into())),
-            (None, wants) => (self.welcome(of, wants)?, Verdict::Welcome),
+            (None, wants) => (self.welcome((of, back), wants)?, Verdict::Welcome),
         };
         let answer = Answer { of: hello.nonce, nonce: hex(own), verdict };
-        self.mouth.say(sealed(Greeting::Answer, &self.key, &answer)?)
+        // An answer that finds no place is asked for again.
+        self.mouths.to(back).that_does_not_wait().say(sealed(Greeting::Answer, &self.key, &answer)?)
     }
 
     fn became_of(&self, run: &str) -> Verdict {
@@ -137,19 +151,19 @@ impl Door {
     }
 
     /// A session for a greeting, which may have come before. Our number in it.
-    fn welcome(&mut self, of: Nonce, wants: Wants) -> Result<Nonce, LinkError> {
+    fn welcome(&mut self, (of, back): (Nonce, Nonce), wants: Wants) -> Result<Nonce, LinkError> {
         if let Some(before) = self.before.iter().find(|before| before.of == of) {
             return Ok(before.own);
         }
         let own = seal::nonce()?;
         let (sealer, opener) = seal::session(&self.key, of, own, Level::Lower);
         let name = named(&sealer.name());
-        let session = Session::new(Voice::new(sealer, self.mouth.clone()), opener);
+        let session = Session::new(Voice::new(sealer, self.mouths.to(back)), opener);
         if self.before.len() == BEFORE {
             // A greeting can be said again by anybody who has heard it; what follows it cannot.
-            self.before.remove(self.before.iter().position(|before| !before.proved).unwrap_or(0));
+            self.before.remove(self.before.iter().position(|before| !before.session.has_spoken).unwrap_or(0));
         }
-        self.before.push(Before { of, own, name, proved: false, session, files: Vec::new(), wants });
+        self.before.push(Before { of, own, name, session, files: Vec::new(), wants });
         Ok(own)
     }
 }

@@ -89,6 +89,8 @@ pub enum Wants {
     Outcome(String),
     /// To measure the way there and back.
     Ping,
+    /// To stand at the machine, with a panel.
+    Panel,
 }
 
 /// The first message.
@@ -96,6 +98,8 @@ pub enum Wants {
 pub struct Hello {
     /// A number that was never used before, hexadecimal.
     pub nonce: String,
+    /// Name by which whoever says it is called back, hexadecimal.
+    pub back: String,
     /// What it is for.
     pub wants: Wants,
     /// Who says it.

@@ -5,7 +5,8 @@
 //! On A the link stands in for the interpolator, on B for the interpreter: both are members of the name space
 //! of their host, as [`process::ipc`] knows them, and no module notices that the other one is far away. What
 //! crosses the wire is machine code, credit, a beat that says "I live", and what somebody presses. The
-//! control loop does not, and neither does anything that an armed pass needs.
+//! control loop does not, and neither does anything that an armed pass needs. Of a panel on A its socket to
+//! the launcher on B does (`panel`), and then the interpreter is on B as well.
 //!
 //! Zenoh carries the bytes, over TCP to an address that is named: nothing is looked for on a network.
 
@@ -13,7 +14,9 @@ pub mod door;
 pub mod hello;
 pub mod lower;
 pub mod message;
+pub mod panel;
 pub mod ping;
+pub mod pipe;
 pub mod seal;
 pub mod session;
 pub mod talk;

@@ -15,6 +15,7 @@ use crate::{
     door::{Asked, Door},
     hello::HostArgs,
     message::Message,
+    panel,
     seal::Level,
     session::Session,
     talk::{Said, Told, leave, say},
@@ -22,7 +23,9 @@ use crate::{
 };
 
 /// How long nothing is looked at when nothing comes.
-const NAP: Duration = Duration::from_millis(100);
+pub(crate) const NAP: Duration = Duration::from_millis(100);
+/// Why a launcher that is gone ends the link.
+pub(crate) const OFF: &str = "the machine was switched off";
 /// Events that are taken before anything else is looked at again.
 const ROUND: usize = 256;
 
@@ -59,7 +62,7 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
     let before = outcome(args)?;
     let wire = Wire::open(Level::Lower, &args.listen)?;
     wire.hear_the_parent()?;
-    let mut door = Door::new(key, here, wire.mouth(), before);
+    let mut door = Door::new(key, here, wire.mouths(), before);
     say(&Said::Listening(args.listen.clone()));
     let asked = loop {
         match wire.wait(NAP) {
@@ -69,17 +72,19 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
                 }
             }
             Some(Event::Closed) => return Ok(()),
-            Some(Event::Line(_)) | None => {}
+            Some(Event::Line(_) | Event::Shut(_)) | None => {}
         }
     };
-    let Asked { run, mut session, files, words } = asked;
-    session.voice.beat()?;
+    let Asked { run, mut session, files, words, by_panel } = asked;
     for (name, bytes) in files {
         let path = args.into.join(name);
         fs::write(&path, bytes).map_err(|error| LinkError::file(&path, error))?;
     }
-    say(&Said::Run { run, words });
-    let carried = carry(&wire, &mut door, &mut session);
+    say(&if by_panel { Said::Panel { words } } else { Said::Run { run, words } });
+    let carried = match by_panel {
+        true => panel::carry_down(&wire, &mut door, &mut session),
+        false => carry(&wire, &mut door, &mut session),
+    };
     if let Err(error) = &carried {
         session.ends(error);
     }
@@ -92,7 +97,11 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
 }
 
 /// What came, of this session; what is not is for the door.
-fn heard(door: &mut Door, session: &mut Session, bytes: &[u8]) -> Result<Option<Message>, LinkError> {
+pub(crate) fn heard(
+    door: &mut Door,
+    session: &mut Session,
+    bytes: &[u8],
+) -> Result<Option<Message>, LinkError> {
     if session.is_named_in(bytes) {
         return session.hear(bytes);
     }
@@ -117,8 +126,8 @@ fn place(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<Option<(
                 Ok(_) => {}
                 Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
             },
-            Some(Event::Closed) => return Err(LinkError::Broken("the machine was switched off".into())),
-            None => {}
+            Some(Event::Closed) => return Err(LinkError::Broken(OFF.into())),
+            Some(Event::Shut(_)) | None => {}
         }
         session.lives()?;
     }

@@ -3,7 +3,7 @@
 use std::{io::Write as _, path::PathBuf, process::ExitCode};
 
 use clap::{Parser, Subcommand};
-use hosts::{lower, ping, seal::Key, talk::leave, upper};
+use hosts::{lower, panel, ping, seal::Key, talk::leave, upper};
 
 /// The link between the two levels of a control on two computers.
 ///
@@ -22,6 +22,8 @@ enum Command {
     Lower(lower::LowerArgs),
     /// The end at the program.
     Upper(upper::CallArgs),
+    /// The end at the panel.
+    Panel(upper::CallArgs),
     /// Measure the way there and back.
     Ping(ping::PingArgs),
     /// Make a file with a new key.
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
     let (ended, talks) = match &cli.command {
         Command::Lower(args) => (lower::run(args), true),
         Command::Upper(args) => (upper::run(args), true),
+        Command::Panel(args) => (panel::run(args), true),
         Command::Ping(args) => (ping::run(args), false),
         Command::Key { file } => (Key::make(file), false),
     };

@@ -32,6 +32,16 @@ pub enum Message {
     Ping(Vec<u8>),
     /// What was.
     Pong(Vec<u8>),
+    /// The socket with this number is there, downwards.
+    Open(u32),
+    /// Bytes of it.
+    Bytes(u32, Vec<u8>),
+    /// So many of them have been taken.
+    Took(u32, u32),
+    /// It is not there any more.
+    Shut(u32),
+    /// What was asked for has come to its end, upwards.
+    Over,
 }
 
 /// Whether a name is that of a file in a folder, and nothing else.
@@ -58,6 +68,11 @@ impl Message {
             Message::Bye(text) => with(8, text.as_bytes()),
             Message::Ping(bytes) => with(9, bytes),
             Message::Pong(bytes) => with(10, bytes),
+            Message::Open(number) => with(11, &number.to_le_bytes()),
+            Message::Bytes(number, bytes) => [&[12], &number.to_le_bytes()[..], bytes].concat(),
+            Message::Took(number, count) => [&[13], &number.to_le_bytes()[..], &count.to_le_bytes()].concat(),
+            Message::Shut(number) => with(14, &number.to_le_bytes()),
+            Message::Over => vec![15],
         }
     }
 
@@ -66,6 +81,7 @@ impl Message {
         let (kind, body) = bytes.split_first()?;
         let text = || String::from_utf8(body.to_vec()).ok();
         let empty = |message| body.is_empty().then_some(message);
+        let number = || Some(u32::from_le_bytes(body.try_into().ok()?));
         match kind {
             0 => empty(Message::Beat),
             1 => Some(Message::Code(body.to_vec())),
@@ -86,6 +102,18 @@ impl Message {
             8 => text().map(Message::Bye),
             9 => Some(Message::Ping(body.to_vec())),
             10 => Some(Message::Pong(body.to_vec())),
+            11 => number().map(Message::Open),
+            12 => {
+                let (number, bytes) = body.split_first_chunk()?;
+                Some(Message::Bytes(u32::from_le_bytes(*number), bytes.to_vec()))
+            }
+            13 => {
+                let (number, count) = body.split_first_chunk()?;
+                let count = u32::from_le_bytes(count.try_into().ok()?);
+                Some(Message::Took(u32::from_le_bytes(*number), count))
+            }
+            14 => number().map(Message::Shut),
+            15 => empty(Message::Over),
             _ => None,
         }
     }
@@ -109,6 +137,12 @@ mod tests {
             Message::Bye(String::new()),
             Message::Ping(vec![0; 64]),
             Message::Pong(Vec::new()),
+            Message::Open(1),
+            Message::Bytes(2, vec![1, 2]),
+            Message::Bytes(u32::MAX, Vec::new()),
+            Message::Took(3, 4),
+            Message::Shut(5),
+            Message::Over,
         ];
         for message in all {
             assert_eq!(Message::of(&message.bytes()).as_ref(), Some(&message));
@@ -118,8 +152,9 @@ mod tests {
     #[test]
     fn what_nobody_sends_is_no_message() {
         let file = |name: &str| Message::File(name.into(), vec![1]).bytes();
-        for bytes in [&[][..], &[0, 0], &[2, 1], &[3, 0], &[3, 3], &[4], &[4, 9, 0, b'a'], &[7, 0xff], &[11]]
-        {
+        let short = [&[11, 1][..], &[12, 0, 0], &[13, 0, 0, 0, 0, 1], &[14], &[15, 0], &[16]];
+        let all = [&[][..], &[0, 0], &[2, 1], &[3, 0], &[3, 3], &[4], &[4, 9, 0, b'a'], &[7, 0xff]];
+        for bytes in all.into_iter().chain(short) {
             assert_eq!(Message::of(bytes), None, "{bytes:?}");
         }
         for name in ["", ".hidden", "../etc", "a/b", "/etc/passwd", "a\0b", &"n".repeat(256)] {

@@ -128,6 +128,11 @@ impl Greeting {
         bytes.first() == Some(&self.mark())
     }
 
+    /// What stands in it, whoever sealed it.
+    pub fn says(self, bytes: &[u8]) -> Option<&[u8]> {
+        bytes.get(1..bytes.len().checked_sub(TAG)?).filter(|_| self.is(bytes))
+    }
+
     /// Its body, if it was sealed by somebody with the same key.
     pub fn open(self, key: &Key, bytes: &[u8]) -> Option<Vec<u8>> {
         let (said, tag) = bytes.split_at_checked(bytes.len().checked_sub(TAG)?)?;

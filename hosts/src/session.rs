@@ -75,6 +75,8 @@ pub struct Session {
     pub voice: Voice,
     opener: Opener,
     heard: Moment,
+    /// A message of it has come: whoever greeted has the key, and is not a recording of one.
+    pub has_spoken: bool,
     /// What was not taken so far.
     pub refusals: Refusals,
 }
@@ -82,7 +84,7 @@ pub struct Session {
 impl Session {
     /// A session that has just begun.
     pub fn new(voice: Voice, opener: Opener) -> Session {
-        Session { voice, opener, heard: Moment::now(), refusals: Refusals::default() }
+        Session { voice, opener, heard: Moment::now(), has_spoken: false, refusals: Refusals::default() }
     }
 
     /// Whether bytes claim to be of this session.
@@ -110,7 +112,7 @@ impl Session {
                 return Err(LinkError::Broken(text));
             }
         };
-        self.heard = Moment::now();
+        (self.heard, self.has_spoken) = (Moment::now(), true);
         match Message::of(body) {
             None => Err(LinkError::Broken("the other host sent a message that nobody sends".into())),
             Some(Message::Beat) => Ok(None),

@@ -21,9 +21,9 @@ use crate::{
 };
 
 /// How often a greeting is repeated.
-const AGAIN: Duration = Duration::from_millis(100);
+pub(crate) const AGAIN: Duration = Duration::from_millis(100);
 /// So long somebody is called who does not answer.
-const PATIENT_S: f64 = 5.0;
+pub(crate) const PATIENT_S: f64 = 5.0;
 /// So long it may take until a run that has ended is summed up.
 const SUMMED_UP_S: f64 = 60.0;
 
@@ -75,7 +75,8 @@ impl Caller {
 
     fn answer(&self, wants: &Wants, patience_s: f64) -> Result<(seal::Nonce, Answer), LinkError> {
         let own = seal::nonce()?;
-        let hello = Hello { nonce: hex(own), wants: wants.clone(), identity: self.here.clone() };
+        let (nonce, back) = (hex(own), hex(self.wire.name));
+        let hello = Hello { nonce, back, wants: wants.clone(), identity: self.here.clone() };
         let (deadline, mut again, mut other_key) = (Moment::in_s(patience_s), Moment::now(), false);
         while !deadline.passed() {
             if again.passed() {
@@ -93,7 +94,7 @@ impl Caller {
                 Some(Event::Closed) => {
                     return Err(LinkError::Broken("whoever wanted the run is gone".into()));
                 }
-                Some(Event::Line(_)) | None => {}
+                Some(Event::Line(_) | Event::Shut(_)) | None => {}
             }
         }
         let at = &self.at;
@@ -146,7 +147,7 @@ pub fn run(args: &CallArgs) -> Result<(), LinkError> {
 }
 
 /// Sends the files of a run.
-fn send_files(session: &Session, told: &Told) -> Result<(), LinkError> {
+pub(crate) fn send_files(session: &Session, told: &Told) -> Result<(), LinkError> {
     let Told::Send { folder, files, words } = told else { return Ok(()) };
     let mut all = 0;
     for name in files {
@@ -179,8 +180,7 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
                 Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
             },
             Some(Event::Closed) => return Err(LinkError::Broken("its launcher has ended the run".into())),
-            // Files may take longer than silence may; B beats when it has them.
-            None => session.lives()?,
+            Some(Event::Shut(_)) | None => session.lives()?,
         }
     };
     let mut member = Member::join(&address, Process::Interpolator)?;
@@ -211,6 +211,7 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
                     }
                 }
                 Event::Closed => return Err(LinkError::Broken("its launcher has ended the run".into())),
+                Event::Shut(_) => {}
             }
         }
         session.lives()?;

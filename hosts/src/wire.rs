@@ -3,7 +3,7 @@
 //!
 //! Multicast and gossip are off, so nobody is looked for and nobody is told of us. What is sent waits for a
 //! place instead of being dropped (Zenoh drops by default), goes before anything else, and is not kept back
-//! to fill a packet.
+//! to fill a packet. What goes up goes to one host alone: whoever calls has a name there.
 
 use std::{
     io::BufRead as _,
@@ -21,7 +21,11 @@ use zenoh::{
     qos::{CongestionControl, Priority},
 };
 
-use crate::{LinkError, message, seal::Level, session::SILENCE};
+use crate::{
+    LinkError, message,
+    seal::{self, Level, Nonce},
+    session::SILENCE,
+};
 
 /// Most bytes of a message: a file with its name, and what is around it.
 const MOST: usize = message::FILE + 1024;
@@ -33,12 +37,12 @@ const AROUND: usize = 128;
 /// Connections at once: the other host, and room for those that are about to go.
 const CONNECTIONS: usize = 8;
 
-/// What crosses the wire in one direction.
-fn way(from: Level) -> &'static str {
-    match from {
-        Level::Upper => "pitchlock/link/1/down",
-        Level::Lower => "pitchlock/link/1/up",
-    }
+/// What goes down to the machine.
+const DOWN: &str = "pitchlock/link/1/down";
+
+/// What goes up to whoever has this name.
+fn up(name: Nonce) -> String {
+    format!("pitchlock/link/1/up/{name:032x}")
 }
 
 /// Something that has happened.
@@ -50,6 +54,8 @@ pub enum Event {
     Line(String),
     /// That one is gone, or wants nothing more.
     Closed,
+    /// Nothing more will be read of the socket with this number.
+    Shut(u32),
 }
 
 impl Event {
@@ -89,13 +95,18 @@ impl Source {
 pub struct Wire {
     events: Receiver<Event>,
     source: Source,
-    mouth: Mouth,
-    _session: zenoh::Session,
+    session: zenoh::Session,
+    /// By which this host is called, where it calls.
+    pub name: Nonce,
 }
 
-/// What speaks on it.
+/// What speaks on it, to one host.
 #[derive(Clone)]
-pub struct Mouth(Arc<zenoh::pubsub::Publisher<'static>>);
+pub struct Mouth {
+    session: zenoh::Session,
+    way: String,
+    congestion: CongestionControl,
+}
 
 impl Mouth {
     /// Sends bytes.
@@ -103,7 +114,26 @@ impl Mouth {
     /// # Errors
     /// What Zenoh says.
     pub fn say(&self, bytes: Vec<u8>) -> Result<(), LinkError> {
-        self.0.put(bytes).wait().map_err(|error| LinkError::broken("sending", error))
+        let put = self.session.put(self.way.as_str(), bytes).congestion_control(self.congestion);
+        let sent = put.priority(Priority::RealTime).express(true).wait();
+        sent.map_err(|error| LinkError::broken("sending", error))
+    }
+
+    /// One that does not wait for whoever does not read: what finds no place is lost.
+    #[must_use]
+    pub fn that_does_not_wait(self) -> Mouth {
+        Mouth { congestion: CongestionControl::Drop, ..self }
+    }
+}
+
+/// What gives mouths to whoever calls.
+#[derive(Clone)]
+pub struct Mouths(zenoh::Session);
+
+impl Mouths {
+    /// One to whoever calls by this name.
+    pub fn to(&self, name: Nonce) -> Mouth {
+        Mouth { session: self.0.clone(), way: up(name), congestion: CongestionControl::Block }
     }
 }
 
@@ -148,27 +178,32 @@ impl Wire {
         let session = zenoh::open(config(at, address)?).wait().map_err(wrong)?;
         let (sender, events) = channel();
         let source = Source { events: sender, waiting: Arc::default(), bell: Arc::default() };
-        let (out, back) = match at {
-            Level::Upper => (way(Level::Upper), way(Level::Lower)),
-            Level::Lower => (way(Level::Lower), way(Level::Upper)),
-        };
-        let publisher = session.declare_publisher(out);
-        let publisher =
-            publisher.congestion_control(CongestionControl::Block).priority(Priority::RealTime).express(true);
-        let publisher = publisher.wait().map_err(wrong)?;
+        let name = seal::nonce()?;
+        let here = if at == Level::Upper { up(name) } else { DOWN.to_owned() };
         let heard = source.clone();
-        let subscriber = session.declare_subscriber(back).callback(move |sample| {
+        let subscriber = session.declare_subscriber(here).callback(move |sample| {
             if sample.payload().len() <= MOST {
                 heard.happened(Event::Frame(sample.payload().to_bytes().into_owned()));
             }
         });
         subscriber.background().wait().map_err(wrong)?;
-        Ok(Wire { events, source, mouth: Mouth(Arc::new(publisher)), _session: session })
+        Ok(Wire { events, source, session, name })
     }
 
-    /// What speaks on it.
+    /// What speaks to the machine.
     pub fn mouth(&self) -> Mouth {
-        self.mouth.clone()
+        Mouth { session: self.session.clone(), way: DOWN.to_owned(), congestion: CongestionControl::Block }
+    }
+
+    /// What speaks to whoever calls.
+    pub fn mouths(&self) -> Mouths {
+        Mouths(self.session.clone())
+    }
+
+    /// Tells that nothing more will be read of the socket with this number.
+    pub fn shuts(&self, number: u32) -> impl FnOnce() + Send + 'static {
+        let source = self.source.clone();
+        move || source.happened(Event::Shut(number))
     }
 
     /// Listens to whoever started this process, too: to lines on standard input.

@@ -23,6 +23,11 @@ pub enum Said {
         /// Its arguments, the program first.
         words: Vec<String>,
     },
+    /// A panel is asked for: the files of its program lie in the folder.
+    Panel {
+        /// Its arguments, the program first, which is empty without one.
+        words: Vec<String>,
+    },
     /// The machine has started.
     Started,
     /// It is refused, and why.
@@ -57,8 +62,17 @@ pub enum Told {
         /// The arguments.
         words: Vec<String>,
     },
+    /// The panel of the other computer is carried by this socket.
+    Panel {
+        /// Where it is.
+        socket: PathBuf,
+        /// What it hears first, on this host alone.
+        first: String,
+    },
     /// The run is refused, and why.
     Refuse(String),
+    /// The panel has ended.
+    Over,
     /// Somebody presses.
     Press(u8),
 }

@@ -6,8 +6,7 @@ use std::{
     collections::BTreeMap,
     fmt::Write as _,
     fs,
-    os::unix::fs::DirBuilderExt as _,
-    path::{Path, PathBuf},
+    path::Path,
     process::{Command, ExitCode, Stdio},
 };
 
@@ -24,6 +23,7 @@ use crate::{
     error::CliError,
     run::{axes, interrupts::Interrupts},
     screen,
+    temporary::Temporary,
 };
 
 /// What LinuxCNC says of the latest wake-up in its latency test, µs: what may be expected up to there.
@@ -94,24 +94,6 @@ impl Measured {
     }
 }
 
-/// A folder that only this process knows, and that goes with it.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new() -> Result<Folder, CliError> {
-        let path = std::env::temp_dir().join(format!("pitchlock-doctor-{:016x}", intake::unforeseen()));
-        let made = fs::DirBuilder::new().mode(0o700).create(&path);
-        made.map_err(|error| CliError::Machine(format!("{}: {error}", path.display())))?;
-        Ok(Folder(path))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 /// Measures for so long, and says what came of it.
 pub(super) fn real(args: &DoctorArgs, seconds: f64) -> Result<ExitCode, CliError> {
     let (machine, text) = args.machine.read()?;
@@ -177,19 +159,19 @@ fn told(machine: &Machine, measured: &Measured, all: &[Check]) -> String {
 /// Runs the machine again and again until the time is over: a run that late answers end is a finding, and
 /// the next one goes on. Ctrl-C ends it sooner. A process that dies says nothing of the computer.
 fn measure(machine: &str, seconds: f64) -> Result<Measured, CliError> {
-    let folder = Folder::new()?;
+    let folder = Temporary::new("doctor")?;
     let mut interrupts = Interrupts::catch()?;
-    let place = |name: &str| folder.0.join(name);
+    let place = |name: &str| folder.path().join(name);
     let put = |name: &str, text: &str| {
         fs::write(place(name), text)
-            .map_err(|error| CliError::Machine(format!("{}: {error}", folder.0.display())))
+            .map_err(|error| CliError::Machine(format!("{}: {error}", folder.path().display())))
     };
     put("machine.toml", machine)?;
     let mut measured = Measured::default();
     while seconds - measured.ran_s >= SHORTEST_S && !interrupts.is_wished() {
         put("idle.ngc", &format!("G21\nG4 P{:.3}\nM2\n", seconds - measured.ran_s))?;
         let _ = fs::remove_dir_all(place("run"));
-        let said = run(&folder.0)?;
+        let said = run(folder.path())?;
         let summary = Summary::read(&place("run/summary.json"))
             .map_err(|_| CliError::Machine(format!("the machine did not start: {}", said.trim())))?;
         if let Some(fault) = summary.faults.iter().find(|fault| fault.code.starts_with("process-")) {

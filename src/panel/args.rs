@@ -14,6 +14,7 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock panel part.ngc --machine my-lathe.toml --pace 0.2
   pitchlock panel runs/part-1                     plays a run that is over: pause, step, speed
   pitchlock panel runs/part-1/trace.mcap          opens a trace in the scope
+  pitchlock panel part.ngc --at 10.0.0.2:7447 --key shop.key     the machine of another computer
   pitchlock run part.ngc --panel                  starts at once, and ends with the run
   pitchlock run runs/part-1                       repeats a session from its folder, bit for bit
 
@@ -65,6 +66,9 @@ pub(crate) struct PanelCommandArgs {
     /// As a terminal starts it.
     #[arg(long, hide = true)]
     pub(crate) led: bool,
+    /// As `pitchlock serve` starts it, for a panel on another computer.
+    #[arg(long, hide = true)]
+    pub(crate) there: bool,
 }
 
 impl RunArgs {

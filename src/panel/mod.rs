@@ -42,17 +42,18 @@ use process::{
 use protocol::{Code, Item, code_file::CodeFile};
 use serde_json::json;
 
-pub(crate) use args::{HELP, PanelArgs, PanelCommandArgs};
+pub(crate) use args::{BY_HAND, HELP, PanelArgs, PanelCommandArgs};
 use known::{Known, MOST_TEXT, Shown, machine_seen, stays};
 pub(crate) use live::Live;
 use live::fields;
 use mode::Mode;
 pub(crate) use session::Who;
+pub(crate) use web::Server;
 
 use crate::{
     error::CliError,
-    run::{self, Prepared, RunArgs, interrupts::Interrupts},
-    screen, words,
+    run::{self, Prepared, RunArgs, folder::arguments_of, interrupts::Interrupts},
+    words,
 };
 use scope::Rows;
 use tables::Tables;
@@ -66,12 +67,7 @@ impl Live {
     /// Opens the panel and says where it is.
     pub(crate) fn open(args: &RunArgs, quiet: bool) -> Result<Live, CliError> {
         let web = Web::open(&args.panel)?;
-        let (url, token) = web.url_and_token();
-        if args.json && !args.with_panel {
-            screen::print(&format!("{}\n", json!({ "url": url, "token": token })));
-        } else if !quiet || args.with_panel {
-            words::say(&format!("panel: {url}#{token}\n"));
-        }
+        web.says_where(args.json && !args.with_panel, quiet && !args.with_panel);
         Ok(Live::new(web, args.with_panel, Tables::of(args)?))
     }
 
@@ -114,12 +110,39 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     if asked.resume {
         return Err(CliError::Input("--resume is for run: pitchlock run RUN_DIR --resume".into()));
     }
+    if let (Some(at), Some(key)) = (&asked.far.at, &asked.far.key) {
+        return run::hosts::panel_at(asked, (at, key), quiet);
+    }
+    if args.there {
+        return at_the_machine(&there(asked)?, quiet, |asked| {
+            Ok(Live::new(Web::there()?, false, Tables::of(asked)?))
+        });
+    }
     if asked.program.is_dir() {
         return playback::playback(asked, quiet);
     }
     if opened::is_trace(&asked.program) {
         return opened::opened(asked, quiet);
     }
+    at_the_machine(asked, quiet, |asked| Live::open(asked, quiet))
+}
+
+/// The arguments of a panel on another computer, whose files have come into the folder of the program.
+fn there(asked: &RunArgs) -> Result<RunArgs, CliError> {
+    match (asked.program.parent(), asked.program.file_name()) {
+        (Some(folder), Some(name)) if asked.program.as_os_str() != args::BY_HAND => {
+            arguments_of(asked, folder, name)
+        }
+        _ => Ok(asked.clone()),
+    }
+}
+
+/// The same with a machine, whose panel is opened when the input has been judged.
+fn at_the_machine(
+    asked: &RunArgs,
+    quiet: bool,
+    open: impl FnOnce(&RunArgs) -> Result<Live, CliError>,
+) -> Result<ExitCode, CliError> {
     // Whatever is wrong with the input is said before there is a panel.
     let loaded = asked.program.as_os_str() != args::BY_HAND;
     let empty = Empty::new(asked)?;
@@ -128,7 +151,7 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     let mut begins = Begins::at(asked, asked.from)?;
     let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut interrupts = Some(Interrupts::catch()?);
-    let mut live = Live::open(asked, quiet)?;
+    let mut live = open(asked)?;
     let hint = if loaded {
         format!("{name} is loaded; start starts it")
     } else {

@@ -1,12 +1,16 @@
 //! The process of the panel as the launcher has it: the socket on which the panel listens, its secret, the
-//! child, the link to it. A panel that dies is started again on the same socket.
+//! child, the link to it. A panel that dies is started again on the same socket. Or that process is on
+//! another computer, and so is all of this but the link.
 
 use std::{
     io::Read as _,
     net::{SocketAddr, TcpListener},
     os::{
-        fd::OwnedFd,
-        unix::{net::UnixStream, process::CommandExt as _},
+        fd::{AsFd as _, OwnedFd},
+        unix::{
+            net::{UnixListener, UnixStream},
+            process::CommandExt as _,
+        },
     },
     process::{Child, Command, Stdio},
     time::Duration,
@@ -14,28 +18,26 @@ use std::{
 
 use ::panel::{Link, ToPanel};
 use process::ipc::time::Moment;
+use serde_json::json;
 
 use super::args::PanelArgs;
-use crate::error::CliError;
+use crate::{error::CliError, screen, words};
 
 /// A panel that has died is not started again before so long.
 const AGAIN: Duration = Duration::from_millis(500);
 /// Bytes of the secret: 256 bits.
 const SECRET: usize = 32;
 
-/// The process of a panel.
-pub(crate) struct Web {
+/// The process of a panel on this computer, and the socket on which it listens.
+pub(crate) struct Server {
     listener: TcpListener,
     address: SocketAddr,
     token: String,
     child: Option<Child>,
-    pub(crate) link: Link,
-    begun: Moment,
-    /// How often it was started.
-    pub(crate) starts: u64,
+    begun: Option<Moment>,
 }
 
-impl Drop for Web {
+impl Drop for Server {
     fn drop(&mut self) {
         self.end();
     }
@@ -48,9 +50,13 @@ fn secret() -> std::io::Result<String> {
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-impl Web {
-    /// Opens the socket and starts the process.
-    pub(crate) fn open(args: &PanelArgs) -> Result<Web, CliError> {
+fn failed(error: std::io::Error) -> CliError {
+    CliError::Machine(format!("the panel cannot be started: {error}"))
+}
+
+impl Server {
+    /// Opens the socket.
+    pub(crate) fn open(args: &PanelArgs) -> Result<Server, CliError> {
         let place = args.place();
         let refused = |error: std::io::Error| {
             let (address, port) = place;
@@ -58,35 +64,42 @@ impl Web {
         };
         let listener = TcpListener::bind(place).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
-        let failed =
-            |error: std::io::Error| CliError::Machine(format!("the panel cannot be started: {error}"));
-        let token = secret().map_err(failed)?;
-        let (child, link) = start(&listener, &token).map_err(failed)?;
-        Ok(Web { listener, address, token, child: Some(child), link, begun: Moment::now(), starts: 1 })
+        Ok(Server { listener, address, token: secret().map_err(failed)?, child: None, begun: None })
     }
 
-    /// The page without its secret, and the secret.
-    pub(crate) fn url_and_token(&self) -> (String, &str) {
-        (format!("http://{}/", self.address), &self.token)
+    /// Says where it is.
+    pub(crate) fn says_where(&self, json: bool, quiet: bool) {
+        let (url, token) = (format!("http://{}/", self.address), &self.token);
+        if json {
+            screen::print(&format!("{}\n", json!({ "url": url, "token": token })));
+        } else if !quiet {
+            words::say(&format!("panel: {url}#{token}\n"));
+        }
     }
 
-    /// Starts a panel that is gone again, not too often, and says whether.
-    pub(crate) fn look(&mut self) -> bool {
-        let gone = self.link.is_broken()
-            || self.child.as_mut().is_some_and(|child| !matches!(child.try_wait(), Ok(None)));
-        if gone && self.child.is_some() {
+    /// What it hears first.
+    pub(crate) fn first(&self) -> ToPanel {
+        ToPanel::Token(self.token.clone())
+    }
+
+    /// This program again as the process of a panel: its link to the launcher is its standard input, the
+    /// socket on which it listens its standard output.
+    pub(crate) fn start(&mut self, link: UnixStream) -> std::io::Result<()> {
+        self.begun = Some(Moment::now());
+        let mut command = Command::new(std::env::current_exe()?);
+        command.arg("panel-server").process_group(0);
+        command.stdin(Stdio::from(OwnedFd::from(link)));
+        command.stdout(Stdio::from(OwnedFd::from(self.listener.try_clone()?)));
+        self.child = Some(command.spawn()?);
+        Ok(())
+    }
+
+    /// Whether there is none, and one may be started: not too often.
+    pub(crate) fn is_due(&mut self) -> bool {
+        if self.child.as_mut().is_some_and(|child| !matches!(child.try_wait(), Ok(None))) {
             self.end();
         }
-        if self.child.is_some() || self.begun.elapsed() < AGAIN {
-            return false;
-        }
-        self.begun = Moment::now();
-        // Without memory or files for it there is no panel, and a later look tries again.
-        let Ok((child, link)) = start(&self.listener, &self.token) else { return false };
-        self.child = Some(child);
-        self.link = link;
-        self.starts += 1;
-        true
+        self.child.is_none() && self.begun.is_none_or(|begun| begun.elapsed() >= AGAIN)
     }
 
     /// Ends the process; it may be gone already.
@@ -98,16 +111,65 @@ impl Web {
     }
 }
 
-/// This program again as the process of a panel: the link is its standard input, the socket on which it
-/// listens its standard output.
-fn start(listener: &TcpListener, token: &str) -> std::io::Result<(Child, Link)> {
+/// Where the process of the panel is.
+enum Home {
+    /// On this computer.
+    Here(Server),
+    /// On another one, whose link comes by this socket.
+    There(UnixListener),
+}
+
+/// A panel.
+pub(crate) struct Web {
+    home: Home,
+    pub(crate) link: Link,
+}
+
+impl Web {
+    /// Opens the socket and starts the process.
+    pub(crate) fn open(args: &PanelArgs) -> Result<Web, CliError> {
+        let mut server = Server::open(args)?;
+        let link = begun(&mut server).map_err(failed)?;
+        Ok(Web { home: Home::Here(server), link })
+    }
+
+    /// A panel on another computer; its link comes by the socket that is standard output here.
+    pub(crate) fn there() -> Result<Web, CliError> {
+        let listener = std::io::stdout().as_fd().try_clone_to_owned().map(UnixListener::from);
+        let listener = listener.and_then(|listener| listener.set_nonblocking(true).map(|()| listener));
+        // Until it comes nobody is at the other end.
+        let nobody = UnixStream::pair().and_then(|(ours, _)| Link::new(ours));
+        Ok(Web { home: Home::There(listener.map_err(failed)?), link: nobody.map_err(failed)? })
+    }
+
+    /// Says where it is, if it is here.
+    pub(crate) fn says_where(&self, json: bool, quiet: bool) {
+        if let Home::Here(server) = &self.home {
+            server.says_where(json, quiet);
+        }
+    }
+
+    /// Begins anew with a panel that is gone, not too often, and says whether.
+    pub(crate) fn look(&mut self) -> bool {
+        let link = match &mut self.home {
+            Home::Here(server) => {
+                if self.link.is_broken() {
+                    server.end();
+                }
+                // Without memory or files for it there is no panel, and a later look tries again.
+                server.is_due().then(|| begun(server).ok()).flatten()
+            }
+            Home::There(listener) => listener.accept().and_then(|(link, _)| Link::new(link)).ok(),
+        };
+        link.map(|link| self.link = link).is_some()
+    }
+}
+
+/// Starts the process of a panel; the link to it.
+fn begun(server: &mut Server) -> std::io::Result<Link> {
     let (ours, theirs) = UnixStream::pair()?;
-    let mut command = Command::new(std::env::current_exe()?);
-    command.arg("panel-server").process_group(0);
-    command.stdin(Stdio::from(OwnedFd::from(theirs)));
-    command.stdout(Stdio::from(OwnedFd::from(listener.try_clone()?)));
-    let child = command.spawn()?;
+    server.start(theirs)?;
     let mut link = Link::new(ours)?;
-    link.offer(&ToPanel::Token(token.to_owned()));
-    Ok((child, link))
+    link.offer(&server.first());
+    Ok(link)
 }

@@ -174,6 +174,13 @@ impl RunFolder {
         names
     }
 
+    /// The same without the machine file, and without tables: of a machine that has its own.
+    pub(crate) fn program_is_made_of(&self) -> Vec<String> {
+        let mut names = self.made_of();
+        names.retain(|name| ![MACHINE, TOOLS, PARAMETERS, INI].contains(&name.as_str()));
+        names
+    }
+
     /// Whether the program is what it was when the run began.
     pub(crate) fn is_as_it_was(&self) -> bool {
         stamp(&self.program).is_ok_and(|stamp| Some(stamp) == self.stamp)

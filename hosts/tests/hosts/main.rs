@@ -2,5 +2,7 @@
 //! cable is cut or frames are lost, in two network namespaces, which need an administrator.
 
 mod cables;
+mod panel;
 mod place;
 mod refusals;
+mod relay;

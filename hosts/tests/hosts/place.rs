@@ -277,20 +277,26 @@ impl Place {
     /// Whether nothing of a machine is left on a host.
     pub(crate) fn is_clean(&self, host: Host) -> bool {
         let user = fs::read_dir(self.at(if host == Host::A { "a/tmp" } else { "b/tmp" })).expect("a folder");
-        let spaces = user.flatten().filter(|entry| !entry.file_name().to_string_lossy().contains("serve"));
+        let kept = |entry: &fs::DirEntry| {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            ["serve", "by-hand"].iter().any(|what| name.contains(what))
+        };
+        let spaces = user.flatten().filter(|entry| !kept(entry));
         spaces.flat_map(|entry| fs::read_dir(entry.path()).into_iter().flatten()).count() == 0
     }
 
     /// Processes of the link on one host.
     pub(crate) fn links(&self, host: Host) -> Vec<u32> {
-        let end = if host == Host::A { "upper" } else { "lower" };
+        let ends: &[&str] = if host == Host::A { &["upper", "panel"] } else { &["lower"] };
         let key = self.at("key").display().to_string();
         let of = |entry: fs::DirEntry| {
             let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
             let line = fs::read_to_string(entry.path().join("cmdline")).ok()?;
             let words: Vec<_> = line.split('\0').collect();
-            (words.contains(&end) && words.contains(&key.as_str()) && words[0].contains("pitchlock-link"))
-                .then_some(pid)
+            (words.iter().any(|word| ends.contains(word))
+                && words.contains(&key.as_str())
+                && words[0].contains("pitchlock-link"))
+            .then_some(pid)
         };
         fs::read_dir("/proc").expect("processes").flatten().filter_map(of).collect()
     }

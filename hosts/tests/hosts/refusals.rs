@@ -125,7 +125,8 @@ impl Speaker {
     fn greets(&self) -> (Vec<u8>, Sealer, Opener) {
         let own = seal::nonce().expect("a number");
         let identity = Identity::here(env!("CARGO_PKG_VERSION"), &self.machine);
-        let hello = Hello { nonce: hex(own), wants: Wants::Run, identity };
+        let (nonce, back) = (hex(own), hex(self.wire.name));
+        let hello = Hello { nonce, back, wants: Wants::Run, identity };
         let greeting = sealed(Greeting::Hello, &self.key, &hello).expect("sealed");
         let deadline = Moment::in_s(10.0);
         loop {
@@ -154,7 +155,7 @@ impl Speaker {
             if let Some(Event::Frame(bytes)) = self.wire.wait(std::time::Duration::from_millis(50))
                 && let Ok(body) = opener.open(&bytes)
             {
-                all.extend(Message::of(body));
+                all.extend(Message::of(body).filter(|message| *message != Message::Beat));
             }
         }
         all

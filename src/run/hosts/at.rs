@@ -28,23 +28,28 @@ const START_S: f64 = 20.0;
 /// Those of a machine who live here.
 const HERE: [Process; 2] = [Process::Interpreter, Process::Interpolator];
 
+/// What else to do than what is for this computer alone.
+pub(super) const HERE_ALONE: &str = "leave it out";
+
+/// Refuses what is not for the machine of another computer, with what else to do.
+pub(super) fn refuses(all: &[(bool, &str, &str)]) -> Result<(), CliError> {
+    let said = all.iter().find(|(said, ..)| *said);
+    said.map_or(Ok(()), |(_, what, help)| {
+        let text = "is for a machine on this computer, and cannot go with --at";
+        Err(CliError::Input(format!("{what} {text}\nhelp: {help}, or leave out --at")))
+    })
+}
+
 /// Runs a program on the machine of another computer.
 pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<ExitCode, CliError> {
-    let refused = |what: &str| {
-        let text = format!("{what} is for a machine on this computer: leave it out, or leave out --at");
-        Err(CliError::Input(text))
-    };
-    for (said, what) in [
-        (asked.in_process, "--in-process"),
-        (asked.resume, "--resume"),
-        (asked.with_panel, "--panel"),
-        (asked.processes, "--processes"),
-        (asked.unkept || !asked.fell.is_empty(), "what tests do to a process"),
-    ] {
-        if said {
-            return refused(what);
-        }
-    }
+    refuses(&[
+        (asked.in_process, "--in-process", HERE_ALONE),
+        (asked.resume, "--resume", "run it there: its run folder is on that computer"),
+        (asked.with_panel, "--panel", "pitchlock panel PROGRAM --at starts from the page"),
+        (asked.processes, "--processes", HERE_ALONE),
+        (asked.out.is_some(), "--out", "run folders are made by `pitchlock serve`, in its folder"),
+        (asked.unkept || !asked.fell.is_empty(), "what tests do to a process", HERE_ALONE),
+    ])?;
     let mut interrupts = None;
     let Prepared { setup, keeps, json, .. } = Prepared::of(asked, quiet, &mut interrupts, false)?;
     let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
@@ -52,7 +57,8 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     command.arg("--at").arg(at);
     let link = Link::start(command)?;
     let mut far = Far { setup: &setup, link, interrupts: caught, wish: Wish::None, at, quiet, joined: false };
-    let ended = far.run(&asked_for(asked, &setup));
+    let program = setup.folder.program.file_name().unwrap_or_default().to_string_lossy();
+    let ended = far.run(&asked_for(asked, &program, setup.seed));
     far.link.end();
     let value = ended?;
     if let Some(error) = value["error"].as_str() {
@@ -71,11 +77,10 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
 }
 
 /// The run as the other computer is asked for it: the program, then what is not in the files.
-fn asked_for(asked: &RunArgs, setup: &Setup) -> Vec<String> {
+pub(super) fn asked_for(asked: &RunArgs, program: &str, seed: u64) -> Vec<String> {
     use clap::ValueEnum as _;
     let name = |value: Option<clap::builder::PossibleValue>| value.map(|value| value.get_name().to_owned());
-    let program = setup.folder.program.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mut words = vec![program, "--seed".into(), setup.seed.to_string()];
+    let mut words = vec![program.to_owned(), "--seed".into(), seed.to_string()];
     words.extend(["--watchdog-s".into(), asked.watchdog_s.to_string()]);
     words.extend(name(asked.trace.to_possible_value()).into_iter().flat_map(|form| ["--trace".into(), form]));
     words.extend(

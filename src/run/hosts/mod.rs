@@ -3,7 +3,9 @@
 //! on either, and what it says. What crosses the wire, and how, only that process knows (`hosts/`).
 
 mod at;
+mod panel;
 mod serve;
+mod stand;
 
 use std::{
     io::{BufRead as _, BufReader, Write as _},
@@ -23,6 +25,7 @@ use super::interrupts::Wish;
 use crate::{args::MachineArgs, error::CliError, words};
 
 pub(crate) use at::run_at;
+pub(crate) use panel::panel_at;
 pub(crate) use serve::{HELP, ServeArgs, serve};
 
 /// Name of the program, and of the process in a summary.

@@ -2,8 +2,6 @@
 //! address, a key. Out: a run as any other, whose interpreter is far away; its run folder lies here.
 
 use std::{
-    fs::DirBuilder,
-    os::unix::fs::DirBuilderExt as _,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -12,19 +10,24 @@ use clap::{Args, Parser as _};
 use process::link::{Said, Told};
 use serde_json::{Value, json};
 
-use super::{Link, command};
+use super::{Link, command, stand};
 use crate::{
     args::MachineArgs,
     cli::{Cli, Command},
     error::CliError,
     run::{Prepared, RunArgs, claim::SUMMARY, folder::arguments_of, interrupts::Interrupts},
+    temporary::Temporary,
     words,
 };
+
+/// What folders for what comes are called.
+const FOLDER: &str = "serve";
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock-link key shop.key                                  a key; copy it to the other computer
   pitchlock serve --machine lathe.toml --key shop.key --listen 10.0.0.2:7447
   pitchlock run part.ngc --machine lathe.toml --key shop.key --at 10.0.0.2:7447      there
+  pitchlock panel part.ngc --machine lathe.toml --key shop.key --at 10.0.0.2:7447    there, in a browser
 
 Both have the same machine file and the same pitchlock, or nothing moves. Run folders are made here, as those of
 `pitchlock run`; the summary is printed on both. Ctrl-C stops a run, and between runs ends this.";
@@ -32,7 +35,7 @@ Both have the same machine file and the same pitchlock, or nothing moves. Run fo
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ServeArgs {
     #[command(flatten)]
-    machine: MachineArgs,
+    pub(super) machine: MachineArgs,
     /// Address at which the other computer calls: one of this computer, on a network that nobody else is on.
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:7447")]
     listen: String,
@@ -41,45 +44,46 @@ pub(crate) struct ServeArgs {
     key: PathBuf,
 }
 
-/// A folder of this user for what comes; it goes with this.
-struct Incoming(PathBuf);
+/// What may be asked for from another computer, by a panel the last one as well; each has a value.
+const ALLOWED: [&str; 7] = ["--seed", "--trace", "--clock", "--pace", "--gauge", "--watchdog-s", "--from"];
 
-impl Incoming {
-    fn new() -> Result<Incoming, CliError> {
-        let path = std::env::temp_dir().join(format!("pitchlock-serve-{:016x}", intake::unforeseen()));
-        let made = DirBuilder::new().mode(0o700).create(&path);
-        made.map(|()| Incoming(path.clone())).map_err(|error| CliError::file(&path, error))
-    }
+/// What somebody at another computer wants.
+enum Wanted {
+    /// A run of this name.
+    Run(String, Vec<String>),
+    /// To stand at the machine.
+    Panel(Vec<String>),
 }
-
-impl Drop for Incoming {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-/// What may be asked for from another computer; each has a value.
-const ALLOWED: [&str; 6] = ["--seed", "--trace", "--clock", "--pace", "--gauge", "--watchdog-s"];
 
 /// Waits for programs, and runs them.
 pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError> {
     args.machine.read()?;
     let mut interrupts = Some(Interrupts::catch()?);
-    let kept = Incoming::new()?;
-    let outcome = kept.0.join("outcome.json");
+    let kept = Temporary::new(FOLDER)?;
+    let outcome = kept.path().join("outcome.json");
     let mut told = false;
     loop {
-        let incoming = Incoming::new()?;
+        let incoming = Temporary::new(FOLDER)?;
         let mut command = command("lower", &args.machine, &args.key)?;
-        command.arg("--listen").arg(&args.listen).arg("--into").arg(&incoming.0);
+        command.arg("--listen").arg(&args.listen).arg("--into").arg(incoming.path());
         if outcome.exists() {
             command.arg("--outcome").arg(&outcome);
         }
         let link = Link::start(command)?;
-        let Some((link, run, words)) = asked_for(link, &mut interrupts, quiet, &mut told)? else {
+        let Some((link, wanted)) = asked_for(link, &mut interrupts, quiet, &mut told)? else {
             return Ok(ExitCode::SUCCESS);
         };
-        let ended = one_run(args, (&incoming.0, &words), link, quiet, &mut interrupts);
+        let (run, words) = match wanted {
+            Wanted::Run(run, words) => (run, words),
+            Wanted::Panel(words) => {
+                if let Err(error) = stand::stand(args, (incoming.path(), &words), link, &mut interrupts) {
+                    words::say(&format!("error: {error}\n"));
+                }
+                interrupts.iter_mut().for_each(Interrupts::forget);
+                continue;
+            }
+        };
+        let ended = one_run(args, (incoming.path(), &words), link, quiet, &mut interrupts);
         let value = match &ended {
             Ok((folder, summary)) => json!({ "run": run, "folder": folder, "summary": summary }),
             Err(error) => {
@@ -99,13 +103,14 @@ fn asked_for(
     interrupts: &mut Option<Interrupts>,
     quiet: bool,
     told: &mut bool,
-) -> Result<Option<(Link, String, Vec<String>)>, CliError> {
+) -> Result<Option<(Link, Wanted)>, CliError> {
     loop {
         match link.says() {
             Some(Said::Listening(address)) if !quiet && !std::mem::replace(told, true) => {
                 words::say(&format!("the machine waits at {address}\n"));
             }
-            Some(Said::Run { run, words }) => return Ok(Some((link, run, words))),
+            Some(Said::Run { run, words }) => return Ok(Some((link, Wanted::Run(run, words)))),
+            Some(Said::Panel { words }) => return Ok(Some((link, Wanted::Panel(words)))),
             Some(Said::Refused(text)) => return Err(CliError::Input(text)),
             Some(Said::Why(text)) => return Err(CliError::Machine(text)),
             Some(_) => {}
@@ -121,21 +126,34 @@ fn asked_for(
     }
 }
 
-/// The arguments of a run of files that lie in this folder.
-fn arguments(args: &ServeArgs, folder: &Path, words: &[String]) -> Result<RunArgs, CliError> {
-    let refused = |text: String| CliError::Input(format!("{text}\nhelp: install the same pitchlock on both"));
-    let (program, options) = words.split_first().ok_or_else(|| refused("no program".into()))?;
+fn refused(text: impl std::fmt::Display) -> CliError {
+    CliError::Input(format!("{text}\nhelp: install the same pitchlock on both"))
+}
+
+/// The options behind the program, which is checked by whoever knows whether there has to be one.
+pub(super) fn options(words: &[String], most: usize) -> Result<(&String, &[String]), CliError> {
+    let (program, options) = words.split_first().ok_or_else(|| refused("no program"))?;
     let (pairs, rest) = options.as_chunks::<2>();
-    if let Some([option, _]) = pairs.iter().find(|[option, _]| !ALLOWED.contains(&option.as_str())) {
+    if let Some([option, _]) = pairs.iter().find(|[option, _]| !ALLOWED[..most].contains(&option.as_str())) {
         return Err(refused(format!("{option} is not for another computer")));
     }
-    let is_name = Path::new(program).file_name().is_some_and(|name| name == program.as_str());
-    if !rest.is_empty() || !is_name || !folder.join(program).is_file() {
-        return Err(refused("the run is not whole".into()));
-    }
+    if rest.is_empty() { Ok((program, options)) } else { Err(refused("the run is not whole")) }
+}
+
+/// A program that lies in this folder.
+pub(super) fn program_in(folder: &Path, program: &str) -> Result<PathBuf, CliError> {
+    let is_name = Path::new(program).file_name().is_some_and(|name| name == program);
+    let path = folder.join(program);
+    if is_name && path.is_file() { Ok(path) } else { Err(refused("the run is not whole")) }
+}
+
+/// The arguments of a run of files that lie in this folder.
+fn arguments(args: &ServeArgs, folder: &Path, words: &[String]) -> Result<RunArgs, CliError> {
+    let (program, options) = options(words, ALLOWED.len() - 1)?;
+    program_in(folder, program)?;
     let line = ["pitchlock", "run", "program"].into_iter().chain(options.iter().map(String::as_str));
-    let parsed = Cli::try_parse_from(line).map_err(|error| refused(error.to_string()))?;
-    let Command::Run(run) = parsed.command else { return Err(refused("no run".into())) };
+    let parsed = Cli::try_parse_from(line).map_err(refused)?;
+    let Command::Run(run) = parsed.command else { return Err(refused("no run")) };
     let run = RunArgs { machine: args.machine.clone(), ..run };
     let run = arguments_of(&run, folder, program.as_ref())?;
     // Its folder is named after the program.

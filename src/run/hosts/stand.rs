@@ -1,0 +1,152 @@
+//! Somebody stands at this machine with a panel on another computer. In: the files that came, a link. Out:
+//! the same panel as on this computer, as a process that is led by its standard input: a byte is one Ctrl-C,
+//! and its end that of whoever stands there. So the machine comes to rest whichever process dies.
+
+use std::{
+    io::{BufRead as _, BufReader, Write as _},
+    os::{
+        fd::OwnedFd,
+        unix::{net::UnixListener, process::CommandExt as _},
+    },
+    path::Path,
+    process::{Child, ChildStdin, Command, Stdio},
+    sync::mpsc::{Receiver, channel},
+};
+
+use process::{
+    ipc::time::{Moment, sleep_until},
+    link::{Said, Told},
+};
+
+use super::{
+    Link, NAP,
+    serve::{ServeArgs, options, program_in},
+};
+use crate::{
+    error::CliError,
+    run::interrupts::{Interrupts, Wish},
+    words,
+};
+
+/// The name of the socket; no file that comes has one like it.
+pub(super) const SOCKET: &str = ".panel";
+/// What the panel has said that is kept for whoever stands there, lines.
+const MOST_SAID: usize = 20;
+/// Options that a panel may have.
+const OPTIONS: usize = 7;
+
+/// From the first press to the last.
+pub(super) fn stand(
+    args: &ServeArgs,
+    (folder, words): (&Path, &[String]),
+    mut link: Link,
+    interrupts: &mut Option<Interrupts>,
+) -> Result<(), CliError> {
+    let begun = Panel::start(args, folder, words);
+    let mut panel = match begun {
+        Ok(panel) => panel,
+        Err(error) => {
+            link.heard.tell(&Told::Refuse(error.to_string()))?;
+            link.end();
+            return Err(error);
+        }
+    };
+    link.heard.tell(&Told::Panel { socket: folder.join(SOCKET), first: String::new() })?;
+    let (mut wish, mut lost) = (Wish::None, None);
+    while panel.child.try_wait().is_ok_and(|exit| exit.is_none()) {
+        panel.hears();
+        match link.says() {
+            Some(Said::Press(_)) => panel.interrupt(),
+            Some(Said::Note(text)) => words::say(&format!("{text}\n")),
+            Some(Said::Why(text) | Said::Refused(text)) => lost = Some(text),
+            Some(_) => {}
+            None if link.is_over() => {
+                lost.get_or_insert_with(|| "its process has ended".into());
+                sleep_until(Moment::now().after(NAP));
+            }
+            None => {}
+        }
+        if lost.is_some() {
+            panel.leads = None;
+        }
+        let now = interrupts.as_mut().map_or(Wish::None, Interrupts::wish);
+        if now > std::mem::replace(&mut wish, now) {
+            panel.interrupt();
+        }
+    }
+    let ended = panel.ends();
+    match &ended {
+        Err(error @ CliError::Input(_)) => link.heard.tell(&Told::Refuse(error.to_string()))?,
+        _ => link.heard.tell(&Told::Over)?,
+    }
+    link.end();
+    match lost {
+        Some(why) => {
+            Err(CliError::Machine(format!("the link to the panel was lost, and the machine stopped: {why}")))
+        }
+        None => ended,
+    }
+}
+
+/// The process of the panel's launcher.
+struct Panel {
+    child: Child,
+    leads: Option<ChildStdin>,
+    said: Receiver<String>,
+    kept: Vec<String>,
+}
+
+impl Panel {
+    fn start(args: &ServeArgs, folder: &Path, words: &[String]) -> Result<Panel, CliError> {
+        let wrong = |error: std::io::Error| CliError::Machine(format!("cannot start a panel: {error}"));
+        let (program, options) = options(words, OPTIONS)?;
+        let program = if program.is_empty() { None } else { Some(program_in(folder, program)?) };
+        let socket = folder.join(SOCKET);
+        let listener = UnixListener::bind(&socket).map_err(|error| CliError::file(&socket, error))?;
+        let mut command = Command::new(std::env::current_exe().map_err(wrong)?);
+        command.arg("panel").args(program).args(["--there", "--led"]).args(options);
+        command.args(args.machine.machine.iter().flat_map(|file| ["--machine".as_ref(), file.as_os_str()]));
+        command.stdin(Stdio::piped()).stdout(Stdio::from(OwnedFd::from(listener))).stderr(Stdio::piped());
+        let mut child = command.process_group(0).spawn().map_err(wrong)?;
+        let (says, said) = channel();
+        if let Some(words) = child.stderr.take() {
+            let hears = move || {
+                let lines = BufReader::new(words).lines().map_while(Result::ok);
+                lines.take_while(|line| says.send(line.clone()).is_ok()).for_each(drop);
+            };
+            std::thread::Builder::new().name("panel".into()).spawn(hears).map_err(wrong)?;
+        }
+        Ok(Panel { leads: child.stdin.take(), child, said, kept: Vec::new() })
+    }
+
+    /// What it says is said here.
+    fn hears(&mut self) {
+        for line in self.said.try_iter() {
+            words::say(&format!("{line}\n"));
+            self.kept.push(line);
+        }
+        let first = self.kept.len().saturating_sub(MOST_SAID);
+        self.kept.drain(..first);
+    }
+
+    /// As by Ctrl-C.
+    fn interrupt(&mut self) {
+        // One that has ended hears nothing, which is seen elsewhere.
+        let _ = self.leads.as_mut().map(|leads| leads.write_all(b"c").and_then(|()| leads.flush()));
+    }
+
+    /// It has ended; why, if that was early.
+    fn ends(mut self) -> Result<(), CliError> {
+        let exit = self.child.wait().map_err(|error| CliError::Machine(error.to_string()))?;
+        for line in self.said.iter() {
+            words::say(&format!("{line}\n"));
+            self.kept.push(line);
+        }
+        let said = || self.kept.join("\n").trim_start_matches("error: ").to_owned();
+        match exit.code() {
+            Some(0) => Ok(()),
+            Some(2) => Err(CliError::Input(said())),
+            _ => Err(CliError::Machine(format!("the panel ended: {exit}\n{}", said()))),
+        }
+    }
+}
