@@ -29,6 +29,9 @@ pub(crate) enum Command {
     /// Have the machine on this computer, for programs that another one runs.
     #[command(after_help = crate::run::hosts::HELP)]
     Serve(crate::run::hosts::ServeArgs),
+    /// Look at many machines on several computers in one view, and press nothing.
+    #[command(after_help = crate::hall::HELP)]
+    Hall(crate::hall::HallArgs),
     /// Stand at the machine: a panel in the browser that shows it and lets you press.
     #[command(after_help = crate::panel::HELP)]
     Panel(Box<crate::panel::PanelCommandArgs>),
@@ -151,6 +154,7 @@ impl Command {
         match self {
             Command::Run(args) => args.json,
             Command::Panel(args) => args.run.json,
+            Command::Hall(args) => args.json,
             Command::Check(args) => args.json,
             Command::Journal(args) => args.json,
             Command::Experiment(args) => args.json,

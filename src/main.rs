@@ -15,6 +15,7 @@ mod error;
 mod experiment;
 mod fit;
 mod gauged;
+mod hall;
 mod ini;
 mod journal;
 mod lsp;
@@ -69,6 +70,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
             _ => run::run(args, quiet),
         },
         Command::Serve(args) => run::hosts::serve(args, quiet),
+        Command::Hall(args) => hall::hall(args),
         Command::Panel(args) => panel::panel(args, quiet),
         Command::PanelServer => panel::server(),
         Command::Check(args) => check::check(args, quiet),

@@ -1,6 +1,9 @@
 //! The door of the lower level: greetings and what comes before a run. In: bytes from the wire. Out: answers,
 //! and the session that a run begins in.
 
+use std::time::Duration;
+
+use process::ipc::time::Moment;
 use serde_json::Value;
 
 use crate::{
@@ -9,6 +12,7 @@ use crate::{
     message::{FILE, Message},
     seal::{self, Greeting, Key, Level, Nonce},
     session::{Session, Voice},
+    talk::{Said, say},
     wire::Mouths,
 };
 
@@ -18,6 +22,8 @@ pub const OTHER_KEY: &[u8] = b"K";
 const BEFORE: usize = 4;
 /// Most bytes of a greeting under another key that are looked at.
 const MOST_GREETING: usize = 4096;
+/// So often at most they are told, while there is a run.
+const SELDOM: Duration = Duration::from_secs(1);
 /// Most files of a run.
 const FILES: usize = 1000;
 /// Why nobody else is let in.
@@ -61,12 +67,28 @@ pub struct Door {
     outcome: Option<(String, Value)>,
     /// Greetings under another key.
     pub strangers: u64,
+    /// When one of them was answered.
+    told: Moment,
+    /// What the machine did when that was said last, and whether it is asked for anew.
+    seen: Option<(Value, Moment)>,
+    looks: bool,
 }
 
 impl Door {
     /// A door for those with this key who are as this host is.
     pub fn new(key: Key, here: Identity, mouths: Mouths, outcome: Option<(String, Value)>) -> Door {
-        Door { key, here, mouths, before: Vec::new(), on: None, outcome, strangers: 0 }
+        Door {
+            key,
+            here,
+            mouths,
+            before: Vec::new(),
+            on: None,
+            outcome,
+            strangers: 0,
+            told: Moment::now(),
+            seen: None,
+            looks: false,
+        }
     }
 
     /// What comes when no run is on, or is of another session than that. Gives the run that it asks for.
@@ -97,12 +119,16 @@ impl Door {
             Message::Ping(bytes) => before.session.voice.say(&Message::Pong(bytes))?,
             Message::File(name, bytes) => {
                 let all = before.files.iter().map(|(_, bytes)| bytes.len()).sum::<usize>();
-                if before.files.len() == FILES || all + bytes.len() > FILE {
+                let another = before.files.last().is_none_or(|(last, _)| *last != name);
+                if another && before.files.len() == FILES || all + bytes.len() > FILE {
                     let text = format!("a run has at most {FILES} files and {} MB of them", FILE >> 20);
                     before.session.voice.say(&Message::Refused(text))?;
                     return Ok(None);
                 }
-                before.files.push((name, bytes));
+                match before.files.last_mut().filter(|_| !another) {
+                    Some((_, file)) => file.extend(bytes),
+                    None => before.files.push((name, bytes)),
+                }
             }
             Message::Begin(_) if self.on.is_some() || before.wants == Wants::Ping => {
                 before.session.voice.say(&Message::Refused(BUSY.into()))?;
@@ -117,9 +143,14 @@ impl Door {
         Ok(None)
     }
 
-    /// Tells whoever greets under another key, unless there is a run, which does not spend its time on that.
-    fn other_key(&self, bytes: &[u8]) -> Result<(), LinkError> {
-        let said = Greeting::Hello.says(bytes).filter(|said| said.len() < MOST_GREETING && self.on.is_none());
+    /// Tells whoever greets under another key; while there is a run, which does not spend its time on that,
+    /// not often.
+    fn other_key(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        if self.on.is_some() && self.told.elapsed() < SELDOM {
+            return Ok(());
+        }
+        self.told = Moment::now();
+        let said = Greeting::Hello.says(bytes).filter(|said| said.len() < MOST_GREETING);
         let hello = said.and_then(|said| serde_json::from_slice::<Hello>(said).ok());
         let back = hello.and_then(|hello| of_hex(&hello.back));
         back.map_or(Ok(()), |back| self.mouths.to(back).that_does_not_wait().say(OTHER_KEY.to_vec()))
@@ -128,9 +159,13 @@ impl Door {
     /// Answers a greeting.
     fn greeted(&mut self, hello: Hello) -> Result<(), LinkError> {
         let (Some(of), Some(back)) = (of_hex(&hello.nonce), of_hex(&hello.back)) else { return Ok(()) };
-        let difference = self.here.difference(&hello.identity);
+        let difference = match &hello.wants {
+            Wants::Look => self.here.hall_difference(&hello.identity),
+            _ => self.here.difference(&hello.identity),
+        };
         let (own, verdict) = match (difference, hello.wants) {
             (Some(text), _) => (0, Verdict::Refused(text)),
+            (None, Wants::Look) => (0, self.looked_at()),
             (None, Wants::Outcome(run)) => (0, self.became_of(&run)),
             (None, _) if self.on.is_some() => (0, Verdict::Refused(BUSY.into())),
             (None, wants) => (self.welcome((of, back), wants)?, Verdict::Welcome),
@@ -138,6 +173,23 @@ impl Door {
         let answer = Answer { of: hello.nonce, nonce: hex(own), verdict };
         // An answer that finds no place is asked for again.
         self.mouths.to(back).that_does_not_wait().say(sealed(Greeting::Answer, &self.key, &answer)?)
+    }
+
+    /// Somebody looks: what is known is said at once, and asked for anew, once at a time.
+    fn looked_at(&mut self) -> Verdict {
+        if !std::mem::replace(&mut self.looks, true) {
+            say(&Said::Look);
+        }
+        match &self.seen {
+            Some((seen, at)) => Verdict::Seen(seen.clone(), at.elapsed().as_secs_f64()),
+            None => Verdict::NotYet,
+        }
+    }
+
+    /// What the machine does.
+    pub fn sees(&mut self, seen: Value) {
+        self.seen = Some((seen, Moment::now()));
+        self.looks = false;
     }
 
     fn became_of(&self, run: &str) -> Verdict {

@@ -62,6 +62,12 @@ impl Identity {
         }
     }
 
+    /// What somebody in a hall and this lower level differ in: only who runs programs needs all to be the
+    /// same.
+    pub fn hall_difference(&self, hall: &Identity) -> Option<String> {
+        self.difference(&Identity { version: hall.version.clone(), ..self.clone() })
+    }
+
     /// What this lower level and an upper one differ in, with the remedy, as the upper one reads it.
     pub fn difference(&self, upper: &Identity) -> Option<String> {
         let rows = [
@@ -91,6 +97,8 @@ pub enum Wants {
     Ping,
     /// To stand at the machine, with a panel.
     Panel,
+    /// To see what the machine does.
+    Look,
 }
 
 /// The first message.
@@ -117,6 +125,8 @@ pub enum Verdict {
     Outcome(serde_json::Value),
     /// That is not known yet.
     NotYet,
+    /// What the machine does, and how old that is, s.
+    Seen(serde_json::Value, f64),
 }
 
 /// The answer.

@@ -11,6 +11,7 @@
 //! Zenoh carries the bytes, over TCP to an address that is named: nothing is looked for on a network.
 
 pub mod door;
+pub mod hall;
 pub mod hello;
 pub mod lower;
 pub mod message;
@@ -29,6 +30,9 @@ pub enum LinkError {
     /// An argument, a key, or what the other host is: nothing has moved.
     #[error("{0}")]
     Input(String),
+    /// The other host has another key: nothing has moved.
+    #[error("{0}")]
+    OtherKey(String),
     /// The network, or the other host, or this one.
     #[error("{0}")]
     Broken(String),
@@ -56,6 +60,6 @@ impl LinkError {
 
     /// The exit status that it leaves: 2 for what is to be put right before anything moves.
     pub fn status(&self) -> u8 {
-        if matches!(self, LinkError::Input(_)) { 2 } else { 1 }
+        if matches!(self, LinkError::Input(_) | LinkError::OtherKey(_)) { 2 } else { 1 }
     }
 }

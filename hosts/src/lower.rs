@@ -72,7 +72,12 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
                 }
             }
             Some(Event::Closed) => return Ok(()),
-            Some(Event::Line(_) | Event::Shut(_)) | None => {}
+            Some(Event::Line(line)) => {
+                if let Ok(Told::Seen(seen)) = serde_json::from_str(&line) {
+                    door.sees(seen);
+                }
+            }
+            Some(Event::Shut(_)) | None => {}
         }
     };
     let Asked { run, mut session, files, words, by_panel } = asked;
@@ -123,6 +128,7 @@ fn place(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<Option<(
                     session.voice.say(&Message::Refused(text))?;
                     return Ok(None);
                 }
+                Ok(Told::Seen(seen)) => door.sees(seen),
                 Ok(_) => {}
                 Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
             },
@@ -150,7 +156,16 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
             && let Some(event) = wire.look()
         {
             taken += 1;
-            let Event::Frame(bytes) = event else { continue };
+            let bytes = match event {
+                Event::Frame(bytes) => bytes,
+                Event::Line(line) => {
+                    if let Ok(Told::Seen(seen)) = serde_json::from_str(&line) {
+                        door.sees(seen);
+                    }
+                    continue;
+                }
+                Event::Closed | Event::Shut(_) => continue,
+            };
             match heard(door, session, &bytes)? {
                 Some(Message::Code(bytes)) => {
                     let packet = CodePacket::from_payload(&bytes);

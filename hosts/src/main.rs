@@ -3,7 +3,7 @@
 use std::{io::Write as _, path::PathBuf, process::ExitCode};
 
 use clap::{Parser, Subcommand};
-use hosts::{lower, panel, ping, seal::Key, talk::leave, upper};
+use hosts::{hall, lower, panel, ping, seal::Key, talk::leave, upper};
 
 /// The link between the two levels of a control on two computers.
 ///
@@ -24,6 +24,8 @@ enum Command {
     Upper(upper::CallArgs),
     /// The end at the panel.
     Panel(upper::CallArgs),
+    /// Look at machines of a hall, which are named on standard input.
+    Hall(hall::HallArgs),
     /// Measure the way there and back.
     Ping(ping::PingArgs),
     /// Make a file with a new key.
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
         Command::Lower(args) => (lower::run(args), true),
         Command::Upper(args) => (upper::run(args), true),
         Command::Panel(args) => (panel::run(args), true),
+        Command::Hall(args) => (hall::run(args), true),
         Command::Ping(args) => (ping::run(args), false),
         Command::Key { file } => (Key::make(file), false),
     };

@@ -2,8 +2,10 @@
 
 use protocol::Credit;
 
-/// Most bytes of a file that a program is made of.
+/// Most bytes of the files that a program is made of.
 pub const FILE: usize = 64 << 20;
+/// Most bytes of a part of one: a message that takes long to be sent is given up.
+pub const PART: usize = 256 << 10;
 /// Most bytes of the name of one.
 const FILE_NAME: usize = 255;
 
@@ -18,7 +20,7 @@ pub enum Message {
     Credit(Credit),
     /// Somebody at the upper level presses: 1 stop, 2 emergency stop.
     Press(u8),
-    /// A file that the run is made of.
+    /// A file that the run is made of, or another part of the file before.
     File(String, Vec<u8>),
     /// All files have come: arguments of the run, the program first.
     Begin(Vec<String>),
@@ -94,7 +96,7 @@ impl Message {
                 let (length, rest) = body.split_first_chunk()?;
                 let (name, bytes) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
                 let name = std::str::from_utf8(name).ok().filter(|name| is_file_name(name))?;
-                (bytes.len() <= FILE).then(|| Message::File(name.into(), bytes.to_vec()))
+                (bytes.len() <= PART).then(|| Message::File(name.into(), bytes.to_vec()))
             }
             5 => text().map(|text| Message::Begin(text.split('\0').map(str::to_owned).collect())),
             6 => empty(Message::Go),

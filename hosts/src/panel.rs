@@ -91,6 +91,7 @@ pub(crate) fn carry_down(wire: &Wire, door: &mut Door, session: &mut Session) ->
                 }
                 Ok(Told::Refuse(text)) => return last_word(Message::Refused(text), wire, session),
                 Ok(Told::Over) => return last_word(Message::Over, wire, session),
+                Ok(Told::Seen(seen)) => door.sees(seen),
                 Ok(_) => {}
                 Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
             },

@@ -17,7 +17,7 @@ pub fn say(what: &Said) {
 /// take.
 pub fn leave(why: &LinkError) -> ! {
     say(&match why {
-        LinkError::Input(text) => Said::Refused(text.clone()),
+        LinkError::Input(text) | LinkError::OtherKey(text) => Said::Refused(text.clone()),
         other => Said::Why(other.to_string()),
     });
     std::process::exit(why.status().into())

@@ -13,7 +13,7 @@ use crate::{
     LinkError,
     door::{OTHER_KEY, named},
     hello::{Answer, Hello, HostArgs, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
-    message::{FILE, Message},
+    message::{FILE, Message, PART},
     seal::{self, Greeting, Key, Level},
     session::{Session, Voice},
     talk::{Said, Told, leave, say},
@@ -53,7 +53,15 @@ impl Caller {
     /// [`LinkError::Input`].
     pub fn new(args: &CallArgs) -> Result<Caller, LinkError> {
         let (key, here) = args.host.read()?;
-        Ok(Caller { wire: Wire::open(Level::Upper, &args.at)?, key, here, at: args.at.clone() })
+        Caller::of(key, here, &args.at)
+    }
+
+    /// The same of somebody with this key who is as this host is.
+    ///
+    /// # Errors
+    /// [`LinkError::Input`].
+    pub fn of(key: Key, here: Identity, at: &str) -> Result<Caller, LinkError> {
+        Ok(Caller { wire: Wire::open(Level::Upper, at)?, key, here, at: at.to_owned() })
     }
 
     /// Greets until there is an answer.
@@ -73,7 +81,8 @@ impl Caller {
         }
     }
 
-    fn answer(&self, wants: &Wants, patience_s: f64) -> Result<(seal::Nonce, Answer), LinkError> {
+    /// An answer to a greeting, and our own number in it.
+    pub(crate) fn answer(&self, wants: &Wants, patience_s: f64) -> Result<(seal::Nonce, Answer), LinkError> {
         let own = seal::nonce()?;
         let (nonce, back) = (hex(own), hex(self.wire.name));
         let hello = Hello { nonce, back, wants: wants.clone(), identity: self.here.clone() };
@@ -98,12 +107,14 @@ impl Caller {
             }
         }
         let at = &self.at;
-        Err(LinkError::Input(match other_key {
-            true => format!("{at} has another key\nhelp: copy the file that --key names there to this host"),
-            false => format!(
-                "nobody answers at {at}\nhelp: start `pitchlock serve --listen {at}` there, and see that no firewall is between"
-            ),
-        }))
+        if other_key {
+            return Err(LinkError::OtherKey(format!(
+                "{at} has another key\nhelp: copy the file that --key names there to this host"
+            )));
+        }
+        Err(LinkError::Input(format!(
+            "nobody answers at {at}\nhelp: start `pitchlock serve --listen {at}` there, and see that no firewall is between"
+        )))
     }
 
     /// What became of a run.
@@ -160,7 +171,10 @@ pub(crate) fn send_files(session: &Session, told: &Told) -> Result<(), LinkError
                 format!("a run on another host has at most {} MB of files", FILE >> 20),
             ));
         }
-        session.voice.say(&Message::File(name.clone(), bytes))?;
+        let parts = bytes.chunks(PART).chain(bytes.is_empty().then_some(&[][..]));
+        for part in parts {
+            session.voice.say(&Message::File(name.clone(), part.to_vec()))?;
+        }
     }
     session.voice.say(&Message::Begin(words.clone()))
 }

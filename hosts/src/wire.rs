@@ -27,11 +27,11 @@ use crate::{
     session::SILENCE,
 };
 
-/// Most bytes of a message: a file with its name, and what is around it.
-const MOST: usize = message::FILE + 1024;
+/// Most bytes of a message: a part of a file with its name, and what is around it.
+const MOST: usize = message::PART + 1024;
 /// Bytes that may wait to be looked at. What comes beyond that is lost, and a session ends by that; what
 /// whoever started this process says is never.
-const WAITING: usize = MOST + (8 << 20);
+const WAITING: usize = message::FILE + (8 << 20);
 /// What a message that waits takes beside its bytes, at most.
 const AROUND: usize = 128;
 /// Connections at once: the other host, and room for those that are about to go.

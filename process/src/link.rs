@@ -40,6 +40,32 @@ pub enum Said {
     Why(String),
     /// What became of the run.
     Outcome(serde_json::Value),
+    /// Somebody in a hall looks at the machine: what is it doing?
+    Look,
+    /// What machines of a hall do, in the order in which they were named.
+    Machines(Vec<Watched>),
+}
+
+/// A machine of a hall, where it can be called, and the key that it has.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Watch {
+    /// Its address.
+    pub at: String,
+    /// The file with its key.
+    pub key: PathBuf,
+}
+
+/// What is known of one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Watched {
+    /// What it did when it was heard of last.
+    pub seen: Option<serde_json::Value>,
+    /// How old that was then, s.
+    pub age_s: f64,
+    /// So long nothing has been heard of it, s.
+    pub silent_s: f64,
+    /// Why it cannot be looked at.
+    pub why: Option<String>,
 }
 
 /// What it is told.
@@ -75,4 +101,6 @@ pub enum Told {
     Over,
     /// Somebody presses.
     Press(u8),
+    /// What the machine does.
+    Seen(serde_json::Value),
 }

@@ -152,6 +152,8 @@ impl Live {
             self.untold.clear();
         }
         self.draw();
+        let (still, last, mode) = (&self.still, &self.last, self.mode);
+        self.web.is_asked(|| view::in_a_hall(still, last, mode));
         // What is on its way goes on.
         self.web.link.is_free();
     }
@@ -232,11 +234,11 @@ impl Live {
         let seen = view::seen(record, observer, self.lists, &mut self.known);
         let mut shown = fields(&seen);
         self.shows_hand(&mut shown);
-        if self.stale || !self.web.link.offer(&ToPanel::Set(shown.clone())) {
+        self.last.extend(shown.clone());
+        if self.stale || !self.web.link.offer(&ToPanel::Set(shown)) {
             return;
         }
         self.lists = Some(Counts::of(observer));
-        self.last.extend(shown);
         self.draw();
     }
 

@@ -32,6 +32,7 @@ use std::{
     },
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::Arc,
     time::Duration,
 };
 
@@ -46,8 +47,9 @@ pub(crate) use args::{BY_HAND, HELP, PanelArgs, PanelCommandArgs};
 use known::{Known, MOST_TEXT, Shown, machine_seen, stays};
 pub(crate) use live::Live;
 use live::fields;
-use mode::Mode;
+pub(crate) use mode::Mode;
 pub(crate) use session::Who;
+pub(crate) use terminal::{CTRL_C, LOOK};
 pub(crate) use web::Server;
 
 use crate::{
@@ -101,9 +103,7 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     if args.terminal || args.join {
         return terminal::terminal(args);
     }
-    if args.led {
-        terminal::led()?;
-    }
+    let looked = if args.led { terminal::led()? } else { Arc::default() };
     if asked.with_panel {
         return Err(CliError::Input("--panel is for run; leave it out".into()));
     }
@@ -115,7 +115,7 @@ pub(crate) fn panel(args: &PanelCommandArgs, quiet: bool) -> Result<ExitCode, Cl
     }
     if args.there {
         return at_the_machine(&there(asked)?, quiet, |asked| {
-            Ok(Live::new(Web::there()?, false, Tables::of(asked)?))
+            Ok(Live::new(Web::there(looked)?, false, Tables::of(asked)?))
         });
     }
     if asked.program.is_dir() {

@@ -7,7 +7,11 @@ use std::{
     ffi::OsString,
     io::{BufRead as _, BufReader, IsTerminal as _, Read as _, Write as _},
     process::{Child, ChildStdin, Command, ExitCode, Stdio},
-    sync::mpsc::{Receiver, channel},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{Receiver, channel},
+    },
     thread::Builder,
     time::Duration,
 };
@@ -24,13 +28,16 @@ use super::args::PanelCommandArgs;
 use crate::{error::CliError, run::interrupts::Interrupts, words};
 
 /// Between two looks at the panel.
-const LOOK: Duration = Duration::from_millis(10);
+const PAUSE: Duration = Duration::from_millis(10);
 /// Between two pictures.
 const DRAWN: Duration = Duration::from_millis(40);
 /// Between two tries to connect.
 const AGAIN: Duration = Duration::from_secs(1);
 /// What the launcher has said that is kept, lines.
 const MOST_SAID: usize = 200;
+/// Bytes that lead a panel.
+pub(crate) const CTRL_C: u8 = b'c';
+pub(crate) const LOOK: u8 = b'l';
 /// The word of the command line behind which the arguments of the launcher go.
 const COMMAND: &str = "panel";
 /// Where a panel is that is joined.
@@ -117,7 +124,7 @@ fn shown(at: &At, mut launcher: Option<&mut Launcher>, interrupts: &mut Interrup
             screen.draw(&mut desk).map_err(gone)?;
             drawn = Some(Moment::now());
         }
-        let act = match screen.key(LOOK).map_err(gone)? {
+        let act = match screen.key(PAUSE).map_err(gone)? {
             Some(key) => desk.key(&key, begun.elapsed()),
             None => Act::Stay,
         };
@@ -216,7 +223,7 @@ impl Launcher {
     /// As by Ctrl-C.
     fn interrupt(&mut self) {
         // One that has ended hears nothing, which is seen elsewhere.
-        let _ = self.leads.as_mut().map(|leads| leads.write_all(b"c").and_then(|()| leads.flush()));
+        let _ = self.leads.as_mut().map(|leads| leads.write_all(&[CTRL_C]).and_then(|()| leads.flush()));
     }
 
     fn has_ended(&mut self) -> bool {
@@ -234,13 +241,19 @@ impl Launcher {
     }
 }
 
-/// The panel is led by its standard input: a byte is one Ctrl-C, its end that of a terminal.
-pub(super) fn led() -> Result<(), CliError> {
-    let leads = || {
+/// The panel is led by its standard input: a byte is one Ctrl-C, or asks what the machine does, and that is
+/// said once; its end is that of a terminal.
+pub(super) fn led() -> Result<Arc<AtomicBool>, CliError> {
+    let looked = Arc::<AtomicBool>::default();
+    let asked = Arc::clone(&looked);
+    let leads = move || {
         let mut bytes = std::io::stdin().lock().bytes();
-        while let Some(Ok(_)) = bytes.next() {
-            // Both fail for no signal that there is.
-            let _ = raise(SIGINT);
+        while let Some(Ok(byte)) = bytes.next() {
+            match byte {
+                LOOK => asked.store(true, Ordering::Relaxed),
+                // Both fail for no signal that there is.
+                _ => drop(raise(SIGINT)),
+            }
         }
         // One ends the run in hand, the next one the command.
         loop {
@@ -249,5 +262,5 @@ pub(super) fn led() -> Result<(), CliError> {
         }
     };
     let begun = Builder::new().name("led".into()).spawn(leads);
-    begun.map(drop).map_err(|error| CliError::Machine(format!("the panel: {error}")))
+    begun.map(|_| looked).map_err(|error| CliError::Machine(format!("the panel: {error}")))
 }

@@ -4,7 +4,9 @@ use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Point, Seen, SpindleSee
 use protocol::{AxisState, MachineState, MachineStatus, Motion, Panel};
 use rig::observe::{Observer, PassEnd, PassReport, Record};
 
-use super::known::Known;
+use serde_json::{Map, Value, json};
+
+use super::{known::Known, mode::Mode};
 
 /// Passes that are shown: the newest.
 const MOST_PASSES: usize = 200;
@@ -246,4 +248,21 @@ pub(super) fn place(record: &Record) -> Point {
     };
     let at = record.axes.iter().map(|(axis, _)| record.truth.axes[axis.index()].slide_mm as f32);
     (at.collect(), kind)
+}
+
+/// What a hall sees of a machine at which somebody stands: of what was shown last.
+pub(super) fn in_a_hall(still: &Map<String, Value>, last: &Map<String, Value>, mode: Mode) -> Value {
+    if mode == Mode::Off {
+        return json!({ "mode": mode.name(), "panel": true });
+    }
+    let of = |name: &str| last.get(name).or_else(|| still.get(name)).cloned().unwrap_or(Value::Null);
+    json!({
+        "mode": mode.name(),
+        "panel": true,
+        "program": of("program")["name"],
+        "cycle": of("cycle"),
+        "time_s": of("time_s"),
+        "line": of("line"),
+        "faults": of("faults"),
+    })
 }

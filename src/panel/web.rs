@@ -3,7 +3,7 @@
 //! another computer, and so is all of this but the link.
 
 use std::{
-    io::Read as _,
+    io::{Read as _, Write as _},
     net::{SocketAddr, TcpListener},
     os::{
         fd::{AsFd as _, OwnedFd},
@@ -13,12 +13,16 @@ use std::{
         },
     },
     process::{Child, Command, Stdio},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::Duration,
 };
 
 use ::panel::{Link, ToPanel};
 use process::ipc::time::Moment;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::args::PanelArgs;
 use crate::{error::CliError, screen, words};
@@ -115,8 +119,9 @@ impl Server {
 enum Home {
     /// On this computer.
     Here(Server),
-    /// On another one, whose link comes by this socket.
-    There(UnixListener),
+    /// On another one, whose link comes by this socket. Whoever leads this process may ask what the machine
+    /// does, and is told by the other one.
+    There(UnixListener, Arc<AtomicBool>, UnixStream),
 }
 
 /// A panel.
@@ -134,18 +139,31 @@ impl Web {
     }
 
     /// A panel on another computer; its link comes by the socket that is standard output here.
-    pub(crate) fn there() -> Result<Web, CliError> {
+    pub(crate) fn there(looked: Arc<AtomicBool>) -> Result<Web, CliError> {
         let listener = std::io::stdout().as_fd().try_clone_to_owned().map(UnixListener::from);
         let listener = listener.and_then(|listener| listener.set_nonblocking(true).map(|()| listener));
         // Until it comes nobody is at the other end.
         let nobody = UnixStream::pair().and_then(|(ours, _)| Link::new(ours));
-        Ok(Web { home: Home::There(listener.map_err(failed)?), link: nobody.map_err(failed)? })
+        let leads = std::io::stdin().as_fd().try_clone_to_owned().map_err(failed)?;
+        let home = Home::There(listener.map_err(failed)?, looked, leads.into());
+        Ok(Web { home, link: nobody.map_err(failed)? })
     }
 
     /// Says where it is, if it is here.
     pub(crate) fn says_where(&self, json: bool, quiet: bool) {
         if let Home::Here(server) = &self.home {
             server.says_where(json, quiet);
+        }
+    }
+
+    /// Tells whoever has asked for it what the machine does. Nobody asks again before that, so this never
+    /// waits.
+    pub(crate) fn is_asked(&mut self, seen: impl FnOnce() -> Value) {
+        if let Home::There(_, looked, leads) = &mut self.home
+            && looked.swap(false, Ordering::Relaxed)
+        {
+            // Who is gone is seen elsewhere.
+            let _ = writeln!(leads, "{}", seen());
         }
     }
 
@@ -159,7 +177,7 @@ impl Web {
                 // Without memory or files for it there is no panel, and a later look tries again.
                 server.is_due().then(|| begun(server).ok()).flatten()
             }
-            Home::There(listener) => listener.accept().and_then(|(link, _)| Link::new(link)).ok(),
+            Home::There(listener, ..) => listener.accept().and_then(|(link, _)| Link::new(link)).ok(),
         };
         link.map(|link| self.link = link).is_some()
     }

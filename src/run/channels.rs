@@ -12,7 +12,7 @@ use protocol::{
     Arrival, Axis, AxisStatus, MachineStatus, Message, Truth,
     operator::{OperatorRequest, Request},
 };
-use rig::observe::Record;
+use rig::observe::{self, Record};
 
 use super::recorder::axes;
 use crate::error::CliError;
@@ -22,6 +22,12 @@ pub(crate) const SILENT_S: f64 = 1.0;
 
 /// So long a request waits for a place in the queue of a plant that takes none.
 const PANEL: Duration = Duration::from_millis(100);
+
+/// What was counted on a channel, as a summary has it.
+pub(super) fn counted(count: ChannelCount) -> observe::Channel {
+    let ChannelCount { name, sent, received, lost, bytes, late, late_in_row, not_counted } = count;
+    observe::Channel { name, sent, received, lost, bytes, late, late_in_row, not_counted }
+}
 
 /// One source, and what of it waits for the others.
 struct Source<T: Message> {

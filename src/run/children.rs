@@ -113,6 +113,11 @@ impl Started {
         self.link.as_mut().map_or(Wish::None, stops)
     }
 
+    /// A link whose hall asks what the machine does.
+    pub(crate) fn looked_at(&mut self) -> Option<&mut Heard> {
+        self.link.as_mut().filter(|link| link.is_looked_at())
+    }
+
     /// Number of the process.
     pub(crate) fn pid(&self) -> u32 {
         self.child.id()

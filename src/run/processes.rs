@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use process::{
-    ipc::{ChannelCount, NameSpace, Process, hosts, of_the_living, time::Moment, total},
+    ipc::{NameSpace, Process, hosts, of_the_living, time::Moment, total},
     shell::Clock,
 };
 use protocol::{Doom, operator::Request};
@@ -15,10 +15,11 @@ use rig::{
 
 use super::{
     Setup,
-    channels::Channels,
+    channels::{Channels, counted},
     children::Started,
     endings::{Death, Endings},
     gives::Gives,
+    hosts::seen,
     interrupts::{Interrupts, Wish},
     recorder::{Recorded, Recorder, axes},
     rendezvous::rendezvous,
@@ -292,15 +293,18 @@ impl Launch<'_> {
     }
 
     fn record(&mut self, force: bool) -> Result<bool, CliError> {
-        let Launch { recorder, supervisor, standstill, endings, live, .. } = self;
+        let Launch { setup, recorder, supervisor, standstill, endings, live, started, .. } = self;
+        let mut looks = started.iter_mut().find_map(Started::looked_at);
         // In real time somebody may stand at the panel.
-        let alone = self.setup.clock == Clock::Virtual && live.is_none();
+        let alone = setup.clock == Clock::Virtual && live.is_none();
         let mut request = None;
         // Until the plant hears that it may go it makes cycles that belong to no run.
         let any = self.channels.record(force, |record| {
             if supervisor.end().is_none() {
                 recorder.cycle(record);
                 live.iter_mut().for_each(|live| live.cycle(record, recorder.observer()));
+                let now = || seen(setup, record, recorder.observer());
+                looks.take().into_iter().for_each(|link| link.shows(now()));
                 if let Some(waits_for) = standstill.cycle(record).filter(|_| alone) {
                     request = endings.waits(record.truth.cycle.0, waits_for, supervisor).or(request);
                 }
@@ -360,7 +364,7 @@ impl Launch<'_> {
         }
         self.started.iter_mut().for_each(Started::end);
         let counts = of_the_living(total(counts), &axes(&self.setup.machine), &dead);
-        Ok(counts.into_iter().map(channel).collect())
+        Ok(counts.into_iter().map(counted).collect())
     }
 
     /// Whether somebody alive has not finished. Who does not although he has long known is taken for frozen.
@@ -392,9 +396,4 @@ impl Launch<'_> {
         }
         self.hear_of_arrivals()
     }
-}
-
-fn channel(count: ChannelCount) -> observe::Channel {
-    let ChannelCount { name, sent, received, lost, bytes, late, late_in_row, not_counted } = count;
-    observe::Channel { name, sent, received, lost, bytes, late, late_in_row, not_counted }
 }

@@ -2,7 +2,11 @@
 //! cable is cut or frames are lost, in two network namespaces, which need an administrator.
 
 mod cables;
+mod hall;
+mod licences;
+mod mutations;
 mod panel;
 mod place;
 mod refusals;
 mod relay;
+mod rude;

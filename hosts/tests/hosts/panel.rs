@@ -8,6 +8,7 @@ use std::{
 use serde_json::{Value, json};
 
 use crate::{
+    hall::look,
     place::{Cable, Host, Place, control, ended, project, signal, summary, until},
     relay::Relay,
 };
@@ -153,6 +154,13 @@ fn work_by_hand_from_far_survives_its_page_and_is_repeated() {
     panel.is("ready");
     panel.press("mdi", json!("G21 G91 G0 Z-12.5"));
     panel.is("ready");
+    // A hall sees that somebody stands there.
+    let entry = format!("[[machine]]\nname = \"one\"\nat = \"{}\"\n", place.address);
+    place.write("hall.toml", &format!("[hall]\nkey = \"key\"\n{entry}"));
+    until("the hall sees it", 10.0, || {
+        let seen = look(&place).1[0]["seen"].clone();
+        seen["mode"] == "ready" && seen["panel"] == true && seen["time_s"].as_f64() > Some(0.0)
+    });
     assert_eq!(panel.ask("mdi", json!("G1 X"))["refused"], "bad-block");
     panel.press("jog", json!({ "axis": "X", "mm_min": 1200, "step_mm": -1.5 }));
     panel.is("ready");

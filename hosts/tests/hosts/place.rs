@@ -115,6 +115,19 @@ impl Cable {
         all
     }
 
+    /// Lets 40 Mbit a second through from host A; `false`, which is said, without `tc`.
+    pub(crate) fn is_slow(&self) -> bool {
+        let rule = format!(
+            "ip netns exec {} tc qdisc add dev v0 root tbf rate 40mbit burst 64kbit latency 400ms",
+            self.space(Host::A)
+        );
+        let slow = system(&rule);
+        if !slow {
+            eprintln!("left out: a slow cable needs `tc` (iproute2), and its token bucket");
+        }
+        slow
+    }
+
     /// Frames that were lost.
     pub(crate) fn lost(&self) -> u64 {
         let of = |host| {
@@ -287,16 +300,22 @@ impl Place {
 
     /// Processes of the link on one host.
     pub(crate) fn links(&self, host: Host) -> Vec<u32> {
-        let ends: &[&str] = if host == Host::A { &["upper", "panel"] } else { &["lower"] };
-        let key = self.at("key").display().to_string();
+        if host == Host::A {
+            [self.links_of("upper"), self.links_of("panel")].concat()
+        } else {
+            self.links_of("lower")
+        }
+    }
+
+    /// Processes of the link that are this end of it.
+    pub(crate) fn links_of(&self, end: &str) -> Vec<u32> {
+        let place = self.folder.path().canonicalize().expect("a folder");
         let of = |entry: fs::DirEntry| {
             let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
             let line = fs::read_to_string(entry.path().join("cmdline")).ok()?;
             let words: Vec<_> = line.split('\0').collect();
-            (words.iter().any(|word| ends.contains(word))
-                && words.contains(&key.as_str())
-                && words[0].contains("pitchlock-link"))
-            .then_some(pid)
+            let ours = fs::read_link(entry.path().join("cwd")).ok()?.starts_with(&place);
+            (ours && words.get(1) == Some(&end) && words[0].contains("pitchlock-link")).then_some(pid)
         };
         fs::read_dir("/proc").expect("processes").flatten().filter_map(of).collect()
     }

@@ -13,12 +13,12 @@ use crate::place::{Host, LINK, Place, control, ended, project, signal, summary, 
 
 const SHORT: &str = "G18 G21 G90 G94\nG0 X50 Z90\nG1 X49 F600\nM2\n";
 
-fn text(output: &Output) -> String {
+pub(crate) fn text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
 /// A machine that waits, a short program, and the hash of the machine file.
-fn waiting() -> Place {
+pub(crate) fn waiting() -> Place {
     let mut place = Place::new(None);
     place.write("short.ngc", SHORT);
     place.serve(&[]);
@@ -108,21 +108,21 @@ fn machine_hash(place: &Place) -> String {
 }
 
 /// Somebody who speaks as the upper level does, byte by byte.
-struct Speaker {
+pub(crate) struct Speaker {
     wire: Wire,
     key: Key,
     machine: String,
 }
 
 impl Speaker {
-    fn new(place: &Place) -> Speaker {
+    pub(crate) fn new(place: &Place) -> Speaker {
         let wire = Wire::open(Level::Upper, &place.address).expect("a wire");
         let key = Key::read(&place.at("key")).expect("its key");
         Speaker { wire, key, machine: machine_hash(place) }
     }
 
     /// A greeting, and the session that it opens.
-    fn greets(&self) -> (Vec<u8>, Sealer, Opener) {
+    pub(crate) fn greets(&self) -> (Vec<u8>, Sealer, Opener) {
         let own = seal::nonce().expect("a number");
         let identity = Identity::here(env!("CARGO_PKG_VERSION"), &self.machine);
         let (nonce, back) = (hex(own), hex(self.wire.name));
@@ -144,12 +144,12 @@ impl Speaker {
         }
     }
 
-    fn says(&self, bytes: &[u8]) {
+    pub(crate) fn says(&self, bytes: &[u8]) {
         self.wire.mouth().say(bytes.to_vec()).expect("said");
     }
 
     /// What comes back in a session within half a second.
-    fn hears(&self, opener: &mut Opener) -> Vec<Message> {
+    pub(crate) fn hears(&self, opener: &mut Opener) -> Vec<Message> {
         let (deadline, mut all) = (Moment::in_s(0.5), Vec::new());
         while !deadline.passed() {
             if let Some(Event::Frame(bytes)) = self.wire.wait(std::time::Duration::from_millis(50))

@@ -36,7 +36,7 @@ impl Relay {
         let mut command: Command = place.command(Host::A, &this);
         command.args(["relay::carries", "--exact", "--ignored"]).env(SOCKET, &path);
         let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
-        until("the relay is there", 10.0, || path.exists());
+        until("the relay is there", 10.0, || UnixStream::connect(&path).is_ok());
         Relay { child, path }
     }
 

@@ -4,6 +4,7 @@
 
 mod at;
 mod panel;
+mod seen;
 mod serve;
 mod stand;
 
@@ -17,7 +18,7 @@ use std::{
 };
 
 use process::{
-    link::{Said, Told},
+    link::{Said, Told, Watch},
     shell::Clock,
 };
 
@@ -26,6 +27,7 @@ use crate::{args::MachineArgs, error::CliError, words};
 
 pub(crate) use at::run_at;
 pub(crate) use panel::panel_at;
+pub(crate) use seen::seen;
 pub(crate) use serve::{HELP, ServeArgs, serve};
 
 /// Name of the program, and of the process in a summary.
@@ -48,6 +50,8 @@ pub(crate) struct Heard {
     ear: ChildStdin,
     wish: Wish,
     why: Option<String>,
+    /// Somebody in a hall asks what the machine does.
+    looked: bool,
 }
 
 /// Who calls whom, and as what.
@@ -55,6 +59,16 @@ type Call<'a> = (&'a str, &'a Path);
 
 /// The command that starts the link, as one end of it.
 fn command(end: &str, machine: &MachineArgs, key: &Path) -> Result<Command, CliError> {
+    let mut command = bare(end)?;
+    let (_, text) = machine.read()?;
+    command.arg("--key").arg(key);
+    command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
+    command.arg("--machine").arg(rig::hash::hex_of_text(&text));
+    Ok(command)
+}
+
+/// The same without what it needs to be let in.
+fn bare(end: &str) -> Result<Command, CliError> {
     let wrong = |error: std::io::Error| CliError::Machine(error.to_string());
     let path = std::env::current_exe().map_err(wrong)?.with_file_name(LINK);
     if !path.exists() {
@@ -62,12 +76,18 @@ fn command(end: &str, machine: &MachineArgs, key: &Path) -> Result<Command, CliE
                     --manifest-path hosts/Cargo.toml --target-dir target` builds it; it lies beside pitchlock";
         return Err(CliError::file(&path, text));
     }
-    let (_, text) = machine.read()?;
     let mut command = Command::new(path);
-    command.arg(end).arg("--key").arg(key);
-    command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
-    command.arg("--machine").arg(rig::hash::hex_of_text(&text));
+    command.arg(end);
     Ok(command)
+}
+
+/// Starts what looks at the machines of a hall.
+pub(crate) fn hall(machines: &[Watch]) -> Result<Link, CliError> {
+    let mut command = bare("hall")?;
+    command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
+    let mut link = Link::start(command)?;
+    link.heard.says(&machines)?;
+    Ok(link)
 }
 
 /// Measures the way to another computer and back, and prints a table.
@@ -95,16 +115,16 @@ impl Link {
             all.for_each(|said| drop(sender.send(said)));
         };
         std::thread::Builder::new().name("link".into()).spawn(hear).map_err(wrong)?;
-        Ok(Link { child, heard: Heard { said, ear, wish: Wish::None, why: None } })
+        Ok(Link { child, heard: Heard { said, ear, wish: Wish::None, why: None, looked: false } })
     }
 
     /// What it has said, if that comes soon.
-    fn says(&self) -> Option<Said> {
+    pub(crate) fn says(&self) -> Option<Said> {
         self.heard.said.recv_timeout(NAP).ok()
     }
 
     /// Whether it has ended, and nothing that it has said is left.
-    fn is_over(&mut self) -> bool {
+    pub(crate) fn is_over(&mut self) -> bool {
         self.child.try_wait().map_or(true, |exit| exit.is_some())
     }
 
@@ -116,7 +136,7 @@ impl Link {
     }
 
     /// It hears that nothing more is wanted, has a moment for its last words, and is ended.
-    fn end(self) {
+    pub(crate) fn end(self) {
         let Link { mut child, heard: Heard { said, ear, .. } } = self;
         drop(ear);
         let _ = said.recv_timeout(LAST_WORDS);
@@ -128,6 +148,10 @@ impl Link {
 impl Heard {
     /// Tells it something. One that has just ended hears nothing of it: that is seen elsewhere.
     fn tell(&mut self, told: &Told) -> Result<(), CliError> {
+        self.says(told)
+    }
+
+    fn says(&mut self, told: &impl serde::Serialize) -> Result<(), CliError> {
         let line = serde_json::to_string(told).map_err(|error| CliError::Machine(error.to_string()))?;
         let _ = writeln!(self.ear, "{line}");
         Ok(())
@@ -140,11 +164,24 @@ impl Heard {
                 Said::Press(1) => self.wish = self.wish.max(Wish::Stop),
                 Said::Press(_) => self.wish = self.wish.max(Wish::EmergencyStop),
                 Said::Note(text) => words::say(&format!("{text}\n")),
+                Said::Look => self.looked = true,
                 Said::Why(text) | Said::Refused(text) => self.why = Some(text),
                 _ => {}
             }
         }
         self.wish
+    }
+
+    /// Whether somebody in a hall has asked what the machine does, and has not been answered.
+    pub(super) fn is_looked_at(&self) -> bool {
+        self.looked
+    }
+
+    /// Answers that. The link asks again only when it has been answered, so this never waits.
+    pub(crate) fn shows(&mut self, seen: serde_json::Value) {
+        self.looked = false;
+        // What cannot be told is not seen.
+        let _ = self.tell(&Told::Seen(seen));
     }
 
     /// Why it ended; it has.

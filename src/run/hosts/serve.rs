@@ -10,7 +10,7 @@ use clap::{Args, Parser as _};
 use process::link::{Said, Told};
 use serde_json::{Value, json};
 
-use super::{Link, command, stand};
+use super::{Link, command, seen, stand};
 use crate::{
     args::MachineArgs,
     cli::{Cli, Command},
@@ -57,7 +57,8 @@ enum Wanted {
 
 /// Waits for programs, and runs them.
 pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    args.machine.read()?;
+    let (machine, _) = args.machine.read()?;
+    let machine = machine.general.name;
     let mut interrupts = Some(Interrupts::catch()?);
     let kept = Temporary::new(FOLDER)?;
     let outcome = kept.path().join("outcome.json");
@@ -70,13 +71,15 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
             command.arg("--outcome").arg(&outcome);
         }
         let link = Link::start(command)?;
-        let Some((link, wanted)) = asked_for(link, &mut interrupts, quiet, &mut told)? else {
+        let Some((link, wanted)) = asked_for(link, (&machine, quiet), &mut interrupts, &mut told)? else {
             return Ok(ExitCode::SUCCESS);
         };
         let (run, words) = match wanted {
             Wanted::Run(run, words) => (run, words),
             Wanted::Panel(words) => {
-                if let Err(error) = stand::stand(args, (incoming.path(), &words), link, &mut interrupts) {
+                if let Err(error) =
+                    stand::stand(args, &machine, (incoming.path(), &words), link, &mut interrupts)
+                {
                     words::say(&format!("error: {error}\n"));
                 }
                 interrupts.iter_mut().for_each(Interrupts::forget);
@@ -100,8 +103,8 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
 /// The link with a run that somebody asks for; `None` if nothing is wanted any more.
 fn asked_for(
     mut link: Link,
+    (machine, quiet): (&str, bool),
     interrupts: &mut Option<Interrupts>,
-    quiet: bool,
     told: &mut bool,
 ) -> Result<Option<(Link, Wanted)>, CliError> {
     loop {
@@ -111,6 +114,7 @@ fn asked_for(
             }
             Some(Said::Run { run, words }) => return Ok(Some((link, Wanted::Run(run, words)))),
             Some(Said::Panel { words }) => return Ok(Some((link, Wanted::Panel(words)))),
+            Some(Said::Look) => link.heard.shows(seen::off(machine)),
             Some(Said::Refused(text)) => return Err(CliError::Input(text)),
             Some(Said::Why(text)) => return Err(CliError::Machine(text)),
             Some(_) => {}

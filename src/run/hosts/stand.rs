@@ -4,12 +4,16 @@
 
 use std::{
     io::{BufRead as _, BufReader, Write as _},
+    net::Shutdown,
     os::{
         fd::OwnedFd,
-        unix::{net::UnixListener, process::CommandExt as _},
+        unix::{
+            net::{UnixListener, UnixStream},
+            process::CommandExt as _,
+        },
     },
     path::Path,
-    process::{Child, ChildStdin, Command, Stdio},
+    process::{Child, Command, Stdio},
     sync::mpsc::{Receiver, channel},
 };
 
@@ -18,12 +22,15 @@ use process::{
     link::{Said, Told},
 };
 
+use serde_json::Value;
+
 use super::{
-    Link, NAP,
+    Link, NAP, seen,
     serve::{ServeArgs, options, program_in},
 };
 use crate::{
     error::CliError,
+    panel::{CTRL_C, LOOK},
     run::interrupts::{Interrupts, Wish},
     words,
 };
@@ -38,6 +45,7 @@ const OPTIONS: usize = 7;
 /// From the first press to the last.
 pub(super) fn stand(
     args: &ServeArgs,
+    machine: &str,
     (folder, words): (&Path, &[String]),
     mut link: Link,
     interrupts: &mut Option<Interrupts>,
@@ -52,11 +60,16 @@ pub(super) fn stand(
         }
     };
     link.heard.tell(&Told::Panel { socket: folder.join(SOCKET), first: String::new() })?;
+    link.heard.shows(seen::off(machine));
     let (mut wish, mut lost) = (Wish::None, None);
     while panel.child.try_wait().is_ok_and(|exit| exit.is_none()) {
         panel.hears();
+        if let Some(seen) = panel.seen(machine) {
+            link.heard.shows(seen);
+        }
         match link.says() {
             Some(Said::Press(_)) => panel.interrupt(),
+            Some(Said::Look) => panel.looks(),
             Some(Said::Note(text)) => words::say(&format!("{text}\n")),
             Some(Said::Why(text) | Said::Refused(text)) => lost = Some(text),
             Some(_) => {}
@@ -67,7 +80,7 @@ pub(super) fn stand(
             None => {}
         }
         if lost.is_some() {
-            panel.leads = None;
+            panel.is_left();
         }
         let now = interrupts.as_mut().map_or(Wish::None, Interrupts::wish);
         if now > std::mem::replace(&mut wish, now) {
@@ -91,9 +104,11 @@ pub(super) fn stand(
 /// The process of the panel's launcher.
 struct Panel {
     child: Child,
-    leads: Option<ChildStdin>,
+    leads: Option<UnixStream>,
     said: Receiver<String>,
     kept: Vec<String>,
+    /// What it says of the machine when it is asked.
+    shows: Receiver<Value>,
 }
 
 impl Panel {
@@ -106,7 +121,11 @@ impl Panel {
         let mut command = Command::new(std::env::current_exe().map_err(wrong)?);
         command.arg("panel").args(program).args(["--there", "--led"]).args(options);
         command.args(args.machine.machine.iter().flat_map(|file| ["--machine".as_ref(), file.as_os_str()]));
-        command.stdin(Stdio::piped()).stdout(Stdio::from(OwnedFd::from(listener))).stderr(Stdio::piped());
+        let (leads, led) = UnixStream::pair().map_err(wrong)?;
+        command
+            .stdin(Stdio::from(OwnedFd::from(led)))
+            .stdout(Stdio::from(OwnedFd::from(listener)))
+            .stderr(Stdio::piped());
         let mut child = command.process_group(0).spawn().map_err(wrong)?;
         let (says, said) = channel();
         if let Some(words) = child.stderr.take() {
@@ -116,7 +135,14 @@ impl Panel {
             };
             std::thread::Builder::new().name("panel".into()).spawn(hears).map_err(wrong)?;
         }
-        Ok(Panel { leads: child.stdin.take(), child, said, kept: Vec::new() })
+        let (shown, shows) = channel();
+        let answers = BufReader::new(leads.try_clone().map_err(wrong)?).lines().map_while(Result::ok);
+        let hears = move || {
+            let all = answers.filter_map(|line| serde_json::from_str(&line).ok());
+            all.take_while(|seen: &Value| shown.send(seen.clone()).is_ok()).for_each(drop);
+        };
+        std::thread::Builder::new().name("seen".into()).spawn(hears).map_err(wrong)?;
+        Ok(Panel { leads: Some(leads), child, said, kept: Vec::new(), shows })
     }
 
     /// What it says is said here.
@@ -131,8 +157,32 @@ impl Panel {
 
     /// As by Ctrl-C.
     fn interrupt(&mut self) {
+        self.tells(CTRL_C);
+    }
+
+    /// It is asked what the machine does.
+    fn looks(&mut self) {
+        self.tells(LOOK);
+    }
+
+    fn tells(&mut self, byte: u8) {
         // One that has ended hears nothing, which is seen elsewhere.
-        let _ = self.leads.as_mut().map(|leads| leads.write_all(b"c").and_then(|()| leads.flush()));
+        let _ = self.leads.as_mut().map(|leads| leads.write_all(&[byte]));
+    }
+
+    /// What it has said of the machine since it was asked.
+    fn seen(&self, machine: &str) -> Option<Value> {
+        let mut seen = self.shows.try_recv().ok()?;
+        seen["machine"] = machine.into();
+        Some(seen)
+    }
+
+    /// Nobody stands there any more.
+    fn is_left(&mut self) {
+        if let Some(leads) = self.leads.take() {
+            // It may be gone already.
+            let _ = leads.shutdown(Shutdown::Both);
+        }
     }
 
     /// It has ended; why, if that was early.
