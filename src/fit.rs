@@ -10,6 +10,8 @@ pub(crate) struct Fit<'m> {
     machine: &'m Machine,
     at: PerAxis<Position>,
     route: Route,
+    /// A jog is in hand: before a reference run it may lead beyond the travel that is believed.
+    jogs: bool,
     /// A trace that cannot be followed was met: why is seen where its time is told.
     lost: bool,
 }
@@ -17,7 +19,7 @@ pub(crate) struct Fit<'m> {
 impl Fit<'_> {
     /// At home, before the first item.
     pub(crate) fn new(machine: &Machine) -> Fit<'_> {
-        Fit { machine, at: machine.home(), route: Route::new(machine), lost: false }
+        Fit { machine, at: machine.home(), route: Route::new(machine), jogs: false, lost: false }
     }
 
     /// Takes the next item; why it does not suit.
@@ -25,10 +27,15 @@ impl Fit<'_> {
         if self.lost {
             return None;
         }
+        let referenced = self.machine.axes().all(|(_, config)| config.reference.is_none());
+        if let Code::ByHand(by_hand) = code {
+            self.jogs = matches!(by_hand, ByHand::Begins { jogs: true, .. });
+        }
+        let free = self.jogs && !referenced;
         let Fit { machine, at, route, .. } = self;
         let what = match code {
             Code::Pass(pass) if !machine.can_follow(pass) => "a pass its axes cannot follow",
-            Code::Line { target, .. } if !machine.can_reach(target) => "a move beyond its travel",
+            Code::Line { target, .. } if !free && !machine.can_reach(target) => "a move beyond its travel",
             Code::Arc { arc, .. } if !machine.can_turn(at, arc) => {
                 "an arc that leaves its travel, or that is not an arc"
             }

@@ -11,6 +11,7 @@
 //! | `task` | what the interpolator is doing: every state, every event, one function |
 //! | `program`, [`queue`] | the item in hand, what is executed at rest, items waiting, credit |
 //! | `hand` | blocks that are given by hand, one by one: whether another is there, whether a jog goes on |
+//! | `reference` | reference runs: which way is next, and what makes the position true |
 //! | `outputs` | outputs, at rest and in step with motion, and when they become safe |
 //! | `travel`, `run` | timed motion: moves that run without a stop, overrides, hold, single block |
 //! | `working` | the work in hand, piece by piece |
@@ -32,6 +33,7 @@ mod pass;
 mod patience;
 mod program;
 pub mod queue;
+mod reference;
 mod run;
 pub mod spindle;
 mod tap;

@@ -24,7 +24,7 @@ pub(crate) struct Program {
     /// Somebody puts it in.
     tool_by_hand: bool,
     /// Bits of [`MachineStatus::coolant`].
-    pub(crate) coolant: u16,
+    pub(crate) coolant: u8,
     /// How the speed of the spindle is varied in the passes that follow.
     pub(crate) variation: Option<Variation>,
     /// What it has switched.

@@ -66,6 +66,8 @@ pub(crate) struct Hands<'a> {
     pub(crate) back: Option<Back>,
     /// Whether it is a jog, and its key let go.
     pub(crate) jog: Jog,
+    /// It is a way of a reference run: nothing of the program goes with it.
+    pub(crate) alone: bool,
 }
 
 impl Hands<'_> {
@@ -176,12 +178,12 @@ impl Travel {
         self.working.begin(&self.route, line, work, &self.here)
     }
 
-    /// A straight rapid from here, as a run of its own.
+    /// A straight line from here, as a run of its own.
     ///
     /// # Errors
     /// The fault, if it cannot be made.
-    pub(crate) fn lead_to(&mut self, line: u32, target: &PerAxis<Position>) -> Result<(), Fault> {
-        let code = Code::Line { target: *target, feed: Feed::Rapid };
+    pub(crate) fn lead_to(&mut self, line: u32, target: &PerAxis<Position>, feed: Feed) -> Result<(), Fault> {
+        let code = Code::Line { target: *target, feed };
         self.append(line, &code)?;
         self.run.close();
         Ok(())
@@ -198,7 +200,7 @@ impl Travel {
         let (queue, outputs, panel) = (&mut program.queue, &mut program.outputs, hands.panel);
         let ends = panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT);
         let single = panel.pressed(Panel::SINGLE_BLOCK) && hands.jog == Jog::No;
-        let taken = if hands.stops { Ok(()) } else { self.take(queue, outputs, single) };
+        let taken = if hands.stops || hands.alone { Ok(()) } else { self.take(queue, outputs, single) };
         let mut moved = Moved { wait: hands.wait, fault: taken.err(), ends, stands: false, back: hands.back };
         let last = ends || hands.stops || hands.jog == Jog::LetGo || moved.fault.is_some();
         let feeds = self.run.last().is_some_and(|leg| leg.feed != Feed::Rapid);
@@ -219,7 +221,7 @@ impl Travel {
         };
         outputs.begun(self.run.begun(&step), due);
         self.motion = if step.tag.feed == Feed::Rapid { Motion::Rapid } else { Motion::Feed };
-        if hands.back.is_none() {
+        if hands.back.is_none() && !hands.alone {
             self.count(&step, queue);
         }
         if step.rejected {

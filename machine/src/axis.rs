@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error, ser};
 
 use protocol::{Axis, AxisMeasurement, Position};
 
-use super::{Bus, General, MachineError, range, refuse};
+use super::{Bus, General, MachineError, ReferenceConfig, range, refuse};
 
 /// Rows of a table of errors of a screw are at least so far apart, mm.
 pub const CLOSEST_MM: f64 = 0.1;
@@ -117,6 +117,9 @@ pub struct AxisConfig {
     /// stands, in thousandths of that unit (µm). Only its change since home counts. Empty for none.
     #[serde(default, deserialize_with = "rows")]
     pub screw_error: Vec<[f64; 2]>,
+    /// Its reference run. Without, its encoder is believed from the first cycle on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<ReferenceConfig>,
 }
 
 /// What a regulator feeds forward. All but [`Feedforward::Full`] exist to be compared with.
@@ -215,6 +218,7 @@ impl AxisConfig {
         self.check_reach(axis, general, bus)?;
         self.check_cogging(&key("cogging"))?;
         self.check_torque(axis)?;
+        self.reference.map_or(Ok(()), |reference| reference.check(axis, self, general))?;
         self.check_screw_error(&key("screw_error"))
     }
 
@@ -359,8 +363,10 @@ pub(super) fn spelled<S: Serializer>(axes: &BTreeMap<Axis, AxisConfig>, to: S) -
         let mut keys = toml::Table::try_from(config).map_err(ser::Error::custom)?;
         if axis.is_rotary() {
             keys = in_degrees(keys);
-            if let Some(toml::Value::Table(inner)) = keys.get_mut("difference") {
-                *inner = in_degrees(std::mem::take(inner));
+            for name in ["difference", "reference"] {
+                if let Some(toml::Value::Table(inner)) = keys.get_mut(name) {
+                    *inner = in_degrees(std::mem::take(inner));
+                }
             }
         }
         tables.insert(axis, keys);

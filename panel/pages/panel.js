@@ -129,7 +129,8 @@ function axes() {
     const zero = work ? (axis.name === "X" ? work[0] : axis.name === "Z" ? work[1] : 0) : 0;
     const factor = axis.name === "X" ? across : 1;
     const cell = (mm) => number((mm - zero) * factor, 3);
-    return [axis.name === "X" && factor === 2 ? "X ⌀" : axis.name, cell(axis.measured_mm), axis.to_go_mm === null || axis.to_go_mm === undefined ? "–" : number(axis.to_go_mm * factor, 3),
+    const name = axis.name === "X" && factor === 2 ? "X ⌀" : axis.name;
+    return [axis.referenced === false ? name + " · not referenced" : name, cell(axis.measured_mm), axis.to_go_mm === null || axis.to_go_mm === undefined ? "–" : number(axis.to_go_mm * factor, 3),
       cell(axis.commanded_mm), number(axis.error_um, 1) + " µm", number(axis.load_pct, 0) + " %"];
   });
   fill($("axes"), rows);
@@ -262,7 +263,7 @@ function jogs() {
     home.type = "button";
     home.id = "home-" + axis;
     home.textContent = "Home";
-    home.title = `${axis} goes to its home, in rapid motion`;
+    home.title = `${axis} makes its reference run, or goes to its home in rapid motion`;
     home.onclick = () => press("home", axis);
     house.append(home);
     const choice = document.createElement("option");

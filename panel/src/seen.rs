@@ -68,6 +68,8 @@ pub struct MachineSeen {
 pub struct AxisSeen {
     /// Its name.
     pub name: String,
+    /// Whether its position is known: false until its reference run is made, if the machine has one.
+    pub referenced: bool,
     /// Where the control leads it, mm.
     pub commanded_mm: f64,
     /// Where its encoder sees it, mm.

@@ -15,7 +15,7 @@ use crate::{
     curve::Curve,
     pass::ThreadPass,
     refused::{Refused, not_negative, positive},
-    units::{PerAxis, Position},
+    units::{Axis, PerAxis, Position},
     variation::Variation,
     work::{FORMULAS, Work},
 };
@@ -235,6 +235,8 @@ pub enum ByHand {
         /// Its one move goes on while the jog key is pressed ([`Panel::JOG`](crate::Panel::JOG)).
         jogs: bool,
     },
+    /// The reference run of an axis that the machine file gives one.
+    References(Axis),
 }
 
 /// One instruction of the machine code.

@@ -81,7 +81,7 @@ fn config() -> impl bincode::config::Config {
 }
 
 impl Payload for CodePacket {
-    const NAME: &str = "pitchlock/code-packet/11";
+    const NAME: &str = "pitchlock/code-packet/12";
     const MOST_BYTES: usize = CodePacket::LONGEST;
 
     fn bytes(&self) -> &[u8] {

@@ -7,7 +7,11 @@ use core::mem::offset_of;
 
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
-use crate::{message::Message, seal::seal, units::Cycle};
+use crate::{
+    message::Message,
+    seal::seal,
+    units::{Cycle, Position},
+};
 
 /// Command of one control cycle to one drive; the answer to the measurement of the same cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, IntoBytes, FromBytes, Immutable)]
@@ -25,6 +29,9 @@ pub struct DriveCommand {
     pub velocity_offset_mm_s: f64,
     /// 0x60B2, N·m: mass and friction of the law, at their lead.
     pub torque_offset_nm: f64,
+    /// What the drive adds to every position that it tells: the axis is referenced by it, as by a homing on
+    /// the current position (0x6098, method 37, with 0x607C). 0 since it was switched on.
+    pub home_offset: Position,
 }
 
 impl DriveCommand {
@@ -48,7 +55,7 @@ impl DriveCommand {
 }
 
 impl Message for DriveCommand {
-    const NAME: &str = "pitchlock/drive-command/2";
+    const NAME: &str = "pitchlock/drive-command/3";
 }
 
 /// Commands of the control word (0x6040).

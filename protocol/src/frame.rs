@@ -62,6 +62,12 @@ pub enum AxisCommand {
     CallOff,
     /// Come to rest at once within the limits of the drive, and stay in fault.
     Stop,
+    /// The axis is referenced: at rest its drive takes this offset, and where the axis is led goes with it.
+    /// Repeated until the measurement shows it. On the wire it is the position of the setpoint.
+    Reference {
+        /// As in [`DriveCommand::home_offset`](crate::DriveCommand).
+        home_offset: Position,
+    },
 }
 
 /// One frame from the interpolator to one regulator.
@@ -98,7 +104,7 @@ pub struct AxisFrame {
 }
 
 impl Message for AxisFrame {
-    const NAME: &str = "pitchlock/axis-frame/6";
+    const NAME: &str = "pitchlock/axis-frame/7";
 }
 
 /// How many interpolator cycles a setpoint lies ahead of the tick that sends it: one for the way, one that
@@ -114,6 +120,7 @@ const CALL_OFF: u32 = 2;
 const STOP: u32 = 3;
 const HOLD: u32 = 4;
 const LEAVE: u32 = 5;
+const REFERENCE: u32 = 6;
 
 impl AxisFrame {
     /// Puts a command on the wire. `stop_s` is the time in which every axis brakes from the setpoint.
@@ -137,6 +144,9 @@ impl AxisFrame {
             AxisCommand::Leave { at } => (frame.command, frame.not_before) = (LEAVE, at),
             AxisCommand::CallOff => frame.command = CALL_OFF,
             AxisCommand::Stop => frame.command = STOP,
+            AxisCommand::Reference { home_offset } => {
+                (frame.command, frame.setpoint.position) = (REFERENCE, home_offset);
+            }
         }
         frame.sealed()
     }
@@ -189,6 +199,7 @@ impl AxisFrame {
             LEAVE => AxisCommand::Leave { at: self.not_before },
             CALL_OFF => AxisCommand::CallOff,
             STOP => AxisCommand::Stop,
+            REFERENCE => AxisCommand::Reference { home_offset: self.setpoint.position },
             other => return Err(Refused::UnknownCode { field: "axis command", code: other }),
         })
     }

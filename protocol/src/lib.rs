@@ -42,7 +42,7 @@ pub use drive::{ControlWord, DriveCommand, DriveState, StatusWord};
 pub use fault::{FAULTS, Fault, FaultRow, Span, Within};
 pub use frame::{AxisCommand, AxisFrame, Setpoint};
 pub use groove::Groove;
-pub use measurement::{AxisMeasurement, Measurement, Panel};
+pub use measurement::{AxisMeasurement, AxisReference, Measurement, Panel};
 pub use message::{Message, Payload};
 pub use module::{Doom, Module};
 pub use operator::{OperatorRequest, Request};

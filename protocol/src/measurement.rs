@@ -24,11 +24,41 @@ pub struct AxisMeasurement {
     pub torque_nm: f64,
     /// CiA 402 status word (object 0x6041).
     pub status_word: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// [`AxisMeasurement::SWITCH`], and above it the indexes that the motor has passed, in either direction.
+    pub signals: u32,
+}
+
+/// What a reference run asks of an axis; zero on one without a reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoBytes, FromBytes, Immutable)]
+#[repr(C)]
+pub struct AxisReference {
+    /// [`DriveCommand::home_offset`](crate::DriveCommand) as it is in every position of this measurement.
+    pub home_offset: Position,
+    /// Position of the axis (of its scale, if it has one) when the switch went on last (0x60BA).
+    pub switched_at: Position,
+    /// The same when the motor passed its index last.
+    pub indexed_at: Position,
 }
 
 impl AxisMeasurement {
+    /// Bit of `signals`: the reference switch is on.
+    pub const SWITCH: u32 = 1;
+
+    /// The word of a switch and of so many indexes.
+    pub fn signals(switch: bool, indexes: u32) -> u32 {
+        indexes << 1 | u32::from(switch)
+    }
+
+    /// Whether the reference switch is on.
+    pub fn is_switched(&self) -> bool {
+        self.signals & AxisMeasurement::SWITCH != 0
+    }
+
+    /// How many indexes the motor has passed, from 0 again after 2³¹.
+    pub fn indexes(&self) -> u32 {
+        self.signals >> 1
+    }
+
     /// What the drive says of itself.
     pub fn drive(&self) -> StatusWord {
         StatusWord(self.status_word as u16)
@@ -131,6 +161,8 @@ pub struct Measurement {
     pub panel: Panel,
     /// The digital inputs that are on: bit n is input n.
     pub inputs: u64,
+    /// What reference runs ask.
+    pub references: PerAxis<AxisReference>,
 }
 
 impl Measurement {
@@ -150,7 +182,7 @@ impl Measurement {
 }
 
 impl Message for Measurement {
-    const NAME: &str = "pitchlock/measurement/6";
+    const NAME: &str = "pitchlock/measurement/7";
 }
 
 /// Where the spindle stands on average while its encoder shows a count: in the middle of it, counts.

@@ -7,7 +7,7 @@ use crate::{
     groove::Groove,
     message::Message,
     refused::{Refused, finite},
-    units::Cycle,
+    units::{Axis, Cycle},
 };
 
 /// State of a regulator, as others see it.
@@ -252,7 +252,9 @@ pub struct MachineStatus {
     /// The axis that the fault is about: its index and one more; 0 where none is known.
     pub fault_axis: u8,
     /// What cools: sum of [`MachineStatus::MIST`] and [`MachineStatus::FLOOD`].
-    pub coolant: u16,
+    pub coolant: u8,
+    /// The axes whose reference run is still to be made: bit n is axis n in the order of the wire.
+    pub unreferenced: u8,
     /// Spindle speed commanded to the drive, 1/min, signed.
     pub spindle_rpm: f64,
     /// Spindle override in force, per cent.
@@ -279,7 +281,7 @@ pub struct MachineStatus {
 }
 
 impl Message for MachineStatus {
-    const NAME: &str = "pitchlock/machine-status/8";
+    const NAME: &str = "pitchlock/machine-status/9";
 }
 
 impl MachineStatus {
@@ -296,13 +298,18 @@ impl MachineStatus {
 
 impl MachineStatus {
     /// Mist is on (M7).
-    pub const MIST: u16 = 1;
+    pub const MIST: u8 = 1;
     /// Flood is on (M8).
-    pub const FLOOD: u16 = 2;
+    pub const FLOOD: u8 = 2;
 
     /// What cools as a sum of bits.
-    pub fn coolant(mist: bool, flood: bool) -> u16 {
-        u16::from(mist) * MachineStatus::MIST + u16::from(flood) * MachineStatus::FLOOD
+    pub fn coolant(mist: bool, flood: bool) -> u8 {
+        u8::from(mist) * MachineStatus::MIST + u8::from(flood) * MachineStatus::FLOOD
+    }
+
+    /// Whether the reference run of an axis is still to be made.
+    pub fn is_unreferenced(&self, axis: Axis) -> bool {
+        self.unreferenced >> axis.index() & 1 != 0
     }
 }
 

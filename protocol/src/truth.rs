@@ -80,5 +80,5 @@ impl Truth {
 }
 
 impl Message for Truth {
-    const NAME: &str = "pitchlock/truth/8";
+    const NAME: &str = "pitchlock/truth/9";
 }

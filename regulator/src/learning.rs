@@ -96,6 +96,8 @@ pub struct Learning {
     /// Whether anything is learned beyond what is believed.
     learns: bool,
     turns: f64,
+    /// The table as it is believed.
+    believed: [f64; PLACES],
     /// Squares of what is left with the table, and of what would be without one, over the last turns.
     left: f64,
     bare: f64,
@@ -128,6 +130,7 @@ impl Learning {
             forwards: true,
             learns: config.learning,
             turns: 0.0,
+            believed: places,
             left: 0.0,
             bare: places.iter().map(|nm| nm * nm).sum::<f64>() / PLACES as f64,
         })
@@ -198,6 +201,15 @@ impl Learning {
         let learned_nm = before_nm + fading * PLACES as f64 * left_nm;
         self.places[place] = learned_nm.clamp(-self.largest_nm, self.largest_nm);
         self.mean_nm += (self.places[place] - before_nm) / PLACES as f64;
+    }
+
+    /// Places count from elsewhere: what was learned is forgotten, what is believed is not.
+    pub fn begin_anew(&mut self) {
+        self.forget();
+        self.places = self.believed;
+        self.bare = self.places.iter().map(|nm| nm * nm).sum::<f64>() / PLACES as f64;
+        self.looks = [Look::default(); 2 * WIDEST + 1];
+        (self.even, self.steady_turns, self.steady_nm) = (0, 0.0, 0.0);
     }
 
     fn forget(&mut self) {

@@ -87,6 +87,16 @@ impl Loops {
         Command { torque_offset_nm: self.torque_nm(0.0), ..Command::default() }
     }
 
+    /// Positions count from elsewhere: the next command begins at rest, what the turn of the motor has taught
+    /// is begun anew.
+    pub fn forget(&mut self) {
+        self.held = None;
+        self.feedforward.rest();
+        if let Some(learning) = &mut self.learning {
+            learning.begin_anew();
+        }
+    }
+
     /// One control cycle (M54); structures that hold positions repeat their command in between. The velocity
     /// PI that follows lives in the drive.
     pub fn tick(&mut self, motor: &Motor, measured_mm: f64, measured: &AxisMeasurement) -> Command {

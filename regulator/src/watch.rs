@@ -120,6 +120,11 @@ impl Watch {
         self.jumps.position(measured_mm, missed, follows)
     }
 
+    /// Positions count from elsewhere: the next one is believed.
+    pub(crate) fn forget(&mut self) {
+        self.jumps.forget();
+    }
+
     /// What ends what the axis does, if anything.
     pub(crate) fn cause(&mut self, known: &Known) -> Option<Cause> {
         self.finishes = match known.state {

@@ -12,6 +12,9 @@ use crate::{
     terms::{Formulas, Move},
 };
 
+/// More room than any axis has, mm.
+const FARTHEST_MM: f64 = 1e6;
+
 /// What becomes of a move.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // there is one of it at a time, and it must not allocate
@@ -30,6 +33,8 @@ pub struct Route {
     pub(crate) machine: Machine,
     mode: PathMode,
     pub(crate) formulas: Formulas,
+    /// Bit n: nobody knows where axis n is.
+    unreferenced: u8,
 }
 
 impl Route {
@@ -39,6 +44,7 @@ impl Route {
             machine: machine.clone(),
             mode: PathMode::within(machine.path.tolerance_mm),
             formulas: Formulas::default(),
+            unreferenced: 0,
         }
     }
 
@@ -50,6 +56,23 @@ impl Route {
     /// From the next block on.
     pub fn set_mode(&mut self, mode: PathMode) {
         self.mode = mode;
+    }
+
+    /// The axes of which nobody knows where they are (bit n: axis n): their travel bounds nothing.
+    pub fn set_unreferenced(&mut self, axes: u8) {
+        self.unreferenced = axes;
+    }
+
+    fn is_known(&self, axis: Axis) -> bool {
+        self.unreferenced >> axis.index() & 1 == 0
+    }
+
+    /// Whether a point lies within the travel of every axis that is referenced.
+    fn can_reach(&self, point: &PerAxis<Position>) -> bool {
+        self.machine.axes().all(|(axis, config)| {
+            let [low, high] = config.travel_mm;
+            !self.is_known(axis) || (low..=high).contains(&point[axis.index()].mm())
+        })
     }
 
     /// What works that follow refer to by this number.
@@ -70,7 +93,7 @@ impl Route {
         };
         let Some(path) = path else { return Ok(Routed::Nowhere) };
         let (room, _) = self.room(from, &path);
-        if room < 0.0 || !self.machine.can_reach(to) {
+        if room < 0.0 || !self.can_reach(to) {
             return Ok(Routed::BeyondTravel);
         }
         let leg = Move { line, from: *from, to: *to, feed, work: None };
@@ -91,7 +114,8 @@ impl Route {
     /// when its brake let go: it may come back.
     pub(crate) fn room(&self, from: &PerAxis<Position>, path: &Path<AXES>) -> (f64, Axis) {
         let [low, high] = path.bounds();
-        self.machine.axes().fold((f64::INFINITY, Axis::X), |narrowest, (axis, config)| {
+        let known = self.machine.axes().filter(|(axis, _)| self.is_known(*axis));
+        known.fold((FARTHEST_MM, Axis::X), |narrowest, (axis, config)| {
             let (i, [lowest, highest]) = (axis.index(), config.travel_mm);
             let here = from[i].mm();
             let (lowest, highest) = (lowest.min(here), highest.max(here));

@@ -11,6 +11,7 @@
 //! | `belief` | what a controller would believe if it knew the truth |
 //! | `friction`, `screw`, `drive_train` | motor, screw, slide: the mechanics of one axis |
 //! | `scale` | the linear scale at a slide |
+//! | `marks` | the switch at a slide and the index on its motor, for its reference run |
 //! | `drive_state`, `drive`, `meter` | the drive of one axis: state machine, velocity loop, measured torque |
 //! | `spindle`, `reading` | motor, speed loop, ripple; how its encoder and its index are read |
 //! | `encoder` | faults of the spindle encoder that a scenario brings |
@@ -37,6 +38,7 @@ mod drive_train;
 mod encoder;
 mod friction;
 mod grooves;
+mod marks;
 mod meter;
 mod orders;
 mod plant;

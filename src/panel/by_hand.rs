@@ -43,6 +43,9 @@ impl Live {
             let why = self.mode.refuses(press).unwrap_or("this run is no work by hand");
             return self.refuse(ticket, "not-now", why);
         };
+        if let Some(why) = hand.not_referenced(asked) {
+            return self.refuse(ticket, "not-referenced", &why);
+        }
         let mut send = |request, who| {
             self.session.sent(request, who);
             requests.push(request);

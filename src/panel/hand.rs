@@ -39,6 +39,8 @@ pub(crate) struct Hand {
     doing: Doing,
     /// Where the axes rest, while the machine waits for a block.
     rests: Option<PerAxis<Position>>,
+    /// The axes whose reference run is still to be made.
+    lost: Vec<Axis>,
 }
 
 /// What goes to the machine.
@@ -60,12 +62,22 @@ impl Hand {
         let reader = Reader::new(language, machine).map_err(|error| error.to_string())?;
         let items = vec![BEGINS];
         let steps = 1;
-        Ok(Hand { machine: machine.clone(), reader, items, steps, doing: Doing::Block, rests: None })
+        Ok(Hand {
+            machine: machine.clone(),
+            reader,
+            items,
+            steps,
+            doing: Doing::Block,
+            rests: None,
+            lost: Vec::new(),
+        })
     }
 
     /// One control cycle.
     pub(crate) fn cycle(&mut self, record: &Record) {
         let Record { axes, machine, .. } = record;
+        self.lost.clear();
+        self.lost.extend(axes.iter().map(|(axis, _)| *axis).filter(|axis| machine.is_unreferenced(*axis)));
         let waits = machine.state() == MachineState::ByHand && machine.taken >= self.steps;
         let rest = |(_, status): &(Axis, protocol::AxisStatus)| {
             status.velocity_mm_s == 0.0 && status.acceleration_mm_s2 == 0.0 && status.in_position != 0
@@ -111,6 +123,17 @@ impl Hand {
         self.items.iter().copied().chain([end]).collect()
     }
 
+    /// Why this is not asked of axes of which nobody knows where they are, if they are such.
+    pub(crate) fn not_referenced(&self, asked: &HandAsked) -> Option<String> {
+        let moves =
+            matches!(asked, HandAsked::Block(_) | HandAsked::Step { .. } | HandAsked::TouchOff { .. });
+        let names: Vec<_> = self.lost.iter().map(|axis| axis.name().to_ascii_uppercase()).collect();
+        (moves && !names.is_empty()).then(|| {
+            let (names, is) = (names.join(" and "), if names.len() > 1 { "are" } else { "is" });
+            format!("{names} {is} not referenced, and only jogs: press Home of it first")
+        })
+    }
+
     /// What somebody asks for, as machine code.
     ///
     /// # Errors
@@ -140,6 +163,9 @@ impl Hand {
             }
             HandAsked::Home(axis) => {
                 let (axis, config) = self.axis(axis)?;
+                if self.lost.contains(&axis) {
+                    return Ok(self.taken(self.reference(&at, axis)));
+                }
                 let target = Position::from_mm(config.home_mm);
                 if at[axis.index()] == target {
                     return Err(format!("{} stands at its home", axis.name().to_ascii_uppercase()));
@@ -148,6 +174,14 @@ impl Hand {
             }
             HandAsked::Jog { axis, positive, mm_min } => {
                 let (axis, config) = self.axis(axis)?;
+                if let Some(reference) = config.reference.filter(|_| self.lost.contains(&axis)) {
+                    // Nobody knows where its travel ends: so far and so slowly as it is searched.
+                    let [low, high] = config.travel_mm;
+                    let target = at[axis.index()].moved(if *positive { high - low } else { low - high });
+                    let most = (60.0 * reference.search_mm_s.abs()).min(fastest_jog(config));
+                    let given = self.jog(&at, (axis, target), feed(mm_min.min(most), most)?, true);
+                    return Ok(self.taken(given));
+                }
                 let target = Position::from_mm(config.travel_mm[usize::from(*positive)]);
                 if at[axis.index()] == target {
                     return Err(format!("{} is at the end of its travel", axis.name().to_ascii_uppercase()));
@@ -162,11 +196,16 @@ impl Hand {
                 return Err("this is no block".into());
             }
         };
+        Ok(self.taken(given))
+    }
+
+    /// It goes to the machine.
+    fn taken(&mut self, given: Given) -> Given {
         self.steps += given.items.iter().map(Item::steps).sum::<u64>();
         self.items.extend(&given.items);
         self.doing = if given.jogs { Doing::Jog } else { Doing::Block };
         self.rests = None;
-        Ok(given)
+        given
     }
 
     fn axis(&self, name: &str) -> Result<(Axis, &AxisConfig), String> {
@@ -222,6 +261,15 @@ impl Hand {
         };
         let text = format!("jog: {name} {what} {:.6} of the machine {fast}", to.mm());
         Given { items: codes.map(|code| Item { line, code }).to_vec(), jogs, text }
+    }
+
+    /// The reference run of an axis.
+    fn reference(&self, at: &PerAxis<Position>, axis: Axis) -> Given {
+        let line = self.reader.blocks() as u32;
+        let codes = [ByHand::Begins { at: *at, jogs: false }, ByHand::References(axis), ByHand::Waits];
+        let items = codes.map(|code| Item { line, code: Code::ByHand(code) }).to_vec();
+        let text = format!("reference run: {}", axis.name().to_ascii_uppercase());
+        Given { items, jogs: false, text }
     }
 
     /// The block that turns the spindle at a speed, 1/min; negative counterclockwise.

@@ -32,6 +32,7 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
     let lists = shown != Some(counts);
     let axis = |(axis, status): &(protocol::Axis, protocol::AxisStatus)| AxisSeen {
         name: axis.name().to_ascii_uppercase(),
+        referenced: !machine.is_unreferenced(*axis),
         commanded_mm: status.commanded_mm,
         measured_mm: status.commanded_mm - status.servo_error_mm,
         to_go_mm: target.map(|target| target[axis.index()] - status.commanded_mm),

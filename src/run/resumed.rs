@@ -54,6 +54,14 @@ impl Resumed {
         program: &mut Program,
         [args, asked]: [&RunArgs; 2],
     ) -> Result<Resumed, CliError> {
+        let machine = &left.recorded.machine;
+        if let Some((axis, _)) = machine.axes().find(|(_, config)| config.reference.is_some()) {
+            return Err(CliError::Input(format!(
+                "{axis} has a reference run ([axis.{}.reference]), and nobody knows where it stands behind a break; its \
+                 tool may stand in the part: free it by hand, then begin at a line, --from LINE",
+                axis.name()
+            )));
+        }
         let making = words::Phase::begin("making the machine of the run again");
         let (mut plant, observer) = left.at_rest(scenario)?;
         drop(making);

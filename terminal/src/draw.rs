@@ -203,6 +203,7 @@ fn position(desk: &Desk, axis: &Value) -> Line<'static> {
         |field: &str| axis[field].as_f64().map_or_else(|| "–".into(), |mm| fixed((mm - zero) * across, 3));
     let to_go = axis["to_go_mm"].as_f64().map_or_else(|| "–".into(), |mm| fixed(mm * across, 3));
     let shown = if across > 1.0 { format!("{name} ⌀") } else { name };
+    let lost = if axis["referenced"] == false { "  not referenced" } else { "" };
     Line::from(vec![
         Span::styled(format!("{shown:<10}"), HEAD),
         Span::styled(format!("{:>10}", place("measured_mm")), BOLD),
@@ -213,6 +214,7 @@ fn position(desk: &Desk, axis: &Value) -> Line<'static> {
             number(&axis["load_pct"], 0)
         )
         .into(),
+        lost.into(),
     ])
 }
 

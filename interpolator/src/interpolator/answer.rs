@@ -64,6 +64,7 @@ impl Interpolator {
                 .and_then(|fault| self.heard.accused(fault))
                 .map_or(0, |axis| axis.index() as u8 + 1),
             coolant: self.program.coolant,
+            unreferenced: self.references.open(),
             spindle_rpm: self.spindle.commanded(),
             spindle_override_pct: self.spindle.override_pct(),
             feed_override_pct: measurement.panel.feed_override_pct,

@@ -1,6 +1,6 @@
 //! Between blocks that are given by hand. In: what the machine code says there. Out: the event.
 
-use protocol::{ByHand, Cycle, Fault};
+use protocol::{ByHand, Fault, Measurement};
 
 use crate::{
     hand::Jog,
@@ -10,7 +10,7 @@ use crate::{
 
 impl Interpolator {
     /// A block by hand is wanted, or begins where the axes rest; elsewhere it is refused.
-    pub(crate) fn by_hand(&mut self, by_hand: ByHand, cycle: Cycle) -> Event {
+    pub(crate) fn by_hand(&mut self, by_hand: ByHand, measurement: &Measurement) -> Event {
         match by_hand {
             ByHand::Waits => {
                 self.hand.jog = Jog::No;
@@ -20,7 +20,12 @@ impl Interpolator {
                 self.hand.jog = Jog::begins(jogs, &self.panel);
                 Event::Waits(Wait::No)
             }
-            ByHand::Begins { .. } => Event::refused(Fault::BadMachineCode, cycle),
+            ByHand::References(axis) if self.references.begin(&self.machine, axis, measurement) => {
+                Event::Waits(Wait::No)
+            }
+            ByHand::Begins { .. } | ByHand::References(_) => {
+                Event::refused(Fault::BadMachineCode, measurement.cycle)
+            }
         }
     }
 }

@@ -4,29 +4,32 @@
 use std::mem::discriminant;
 
 mod answer;
+mod begin;
 mod by_hand;
 mod passes;
+mod referencing;
 mod standing;
 mod supervise;
 mod taps;
 
 use machine::Machine;
 use protocol::{
-    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, Feed, MachineStatus, Measurement,
-    Panel, PerAxis, Refused, Setpoint, SpindleCommand, frame::SETPOINT_LEAD,
+    Axis, AxisFrame, AxisStatus, CodePacket, Cycle, DriveState, Fault, MachineStatus, Measurement, Panel,
+    PerAxis, Refused, Setpoint, SpindleCommand, frame::SETPOINT_LEAD,
 };
 
 use crate::{
     axes::{Axes, Heard},
     guard::Guard,
-    hand::{Hand, Jog},
+    hand::Hand,
     interpolator::standing::Standing,
     pass::{self, Look},
     patience::Patience,
-    program::{Next, Program},
+    program::Program,
+    reference::References,
     spindle::Spindle,
     tap::Tap,
-    task::{Await, Back, Event, Order, Task, Wait},
+    task::{Back, Event, Order, Task, Wait},
     travel::{Hands, Travel},
 };
 
@@ -87,6 +90,8 @@ pub struct Interpolator {
     pub(crate) pass: (u32, f64),
     /// Blocks by hand.
     hand: Hand,
+    /// Reference runs.
+    references: References,
 }
 
 impl Interpolator {
@@ -97,6 +102,7 @@ impl Interpolator {
             task: Task::Enabling,
             program: Program::new(machine),
             travel: Travel::new(machine),
+            references: References::new(machine),
             spindle: Spindle::new(machine),
             patience: Patience::new(machine.general.interpolator_cycle_s),
             guard: Guard::new(),
@@ -186,6 +192,7 @@ impl Interpolator {
         self.inputs = measurement.inputs;
         self.panel.buttons |= ended;
         self.hand.look(&self.panel);
+        self.references.look(&self.machine, measurement);
         self.heard.take(&self.machine, input.axes, measurement.cycle);
         let leaves = matches!(self.task, Task::Leaving { .. });
         self.vary(leaves);
@@ -254,11 +261,12 @@ impl Interpolator {
         let event = match &self.task {
             Task::Enabling => self.take_over(measurement),
             Task::Starting if axes.stream() => Event::Streaming,
-            Task::Ready { wait } => return self.begin(cycle, due, wait.after(panel.cycle_starts)),
+            Task::Ready { wait } => return self.begin(measurement, due, wait.after(panel.cycle_starts)),
             Task::Moving { wait, fault, back } => {
                 let back = back.map(|back| back.after(panel));
                 return self.move_on(due, self.ticks, wait.after(panel.cycle_starts), fault.is_some(), back);
             }
+            Task::Referencing { axis, home_offset } => self.sets_reference(*axis, *home_offset, measurement),
             Task::Dwelling { left } if *left <= 1 && self.program.settles() => Event::Over(Wait::No),
             Task::Dwelling { left } if *left <= 1 => Event::Over(Wait::behind_block(panel)),
             Task::Dwelling { .. } if ends(panel) => Event::Over(Wait::No),
@@ -305,66 +313,6 @@ impl Interpolator {
         Event::Enabled
     }
 
-    /// Goes on to wait for an input. Under a feed hold no time passes.
-    fn await_input(&self, wait: Await, cycle: Cycle) -> Event {
-        let (panel, now) = (&self.panel, self.inputs >> wait.input & 1 == 1);
-        let left = wait.left.saturating_sub(u64::from(!panel.pressed(Panel::FEED_HOLD)));
-        match () {
-            () if ends(panel) => Event::Over(Wait::No),
-            () if wait.until.has_come(wait.before, now) => Event::Over(Wait::behind_block(panel)),
-            () if wait.left == 0 => Event::refused(Fault::InputTimedOut, cycle),
-            () => Event::Awaits(Await { before: now, left, ..wait }),
-        }
-    }
-
-    /// At rest: begins what is next.
-    fn begin(&mut self, cycle: Cycle, due: Cycle, wait: Wait) -> (PerAxis<Setpoint>, Event) {
-        let panel = &self.panel;
-        let event = if ends(panel) {
-            Event::Ends(true)
-        } else if wait != Wait::No {
-            self.patience.begin();
-            Event::Waits(wait)
-        } else {
-            let known = (self.travel.blocks(), self.stands());
-            match self.program.next(panel, &mut self.spindle, self.travel.route(), known) {
-                Next::Nothing | Next::Standstill => Event::Waits(Wait::No),
-                Next::Impossible => Event::refused(Fault::BadMachineCode, cycle),
-                Next::Held => {
-                    self.patience.begin();
-                    Event::Waits(Wait::No)
-                }
-                Next::Move(_) if self.hand.jog == Jog::LetGo => {
-                    self.program.queue.done();
-                    Event::Waits(Wait::No)
-                }
-                Next::Move(feed) if !self.spindle.lets(feed) => Event::Waits(Wait::No),
-                Next::Move(_) => return self.move_on(due, 1, Wait::No, false, None),
-                Next::Work(work) if !self.spindle.lets(Feed::PerMinute(work.feed_mm_min)) => {
-                    Event::Waits(Wait::No)
-                }
-                Next::Work(work) => match self.travel.begin_work(self.program.line, &work) {
-                    Ok(()) => return self.move_on(due, 1, Wait::No, false, None),
-                    Err(fault) => Event::refused(fault, cycle),
-                },
-                Next::Pass(pass) => self.begin_pass(cycle, &pass),
-                Next::Dwell(seconds) => {
-                    Event::Dwells((seconds / self.machine.general.interpolator_cycle_s).ceil() as u64)
-                }
-                Next::Await { input, until, within_s } => {
-                    let left = (within_s / self.machine.general.interpolator_cycle_s).ceil() as u64;
-                    let before = self.inputs >> input & 1 == 1;
-                    Event::Awaits(Await { input, until, before, left })
-                }
-                Next::Pause => Event::Pauses(panel.cycle_starts),
-                Next::ToolChange => Event::ChangesTool(panel.cycle_starts),
-                Next::ByHand(by_hand) => self.by_hand(by_hand, cycle),
-                Next::End => Event::Ends(false),
-            }
-        };
-        (self.travel.rest(due), event)
-    }
-
     /// So many ticks of timed motion up to `due`: one, and those of measurements that did not come. Only the
     /// last setpoint is sent; the axes interpolate over the others.
     fn move_on(
@@ -379,7 +327,8 @@ impl Interpolator {
         if panel.pressed(Panel::ABORT) {
             self.program.switch_off(&mut self.spindle);
         }
-        let hands = Hands { panel, spindle: &self.spindle, wait, stops, back, jog: self.hand.jog };
+        let (jog, alone) = (self.references.jog().unwrap_or(self.hand.jog), self.references.runs());
+        let hands = Hands { panel, spindle: &self.spindle, wait, stops, back, jog, alone };
         let mut left = ticks;
         loop {
             left -= 1;

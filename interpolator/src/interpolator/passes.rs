@@ -1,7 +1,7 @@
 //! To the start of a pass: at first, and again after it was left. In: the pass, where the axes are. Out: what
 //! comes next.
 
-use protocol::{Cycle, Panel, ThreadPass};
+use protocol::{Cycle, Feed, Panel, ThreadPass};
 
 use crate::{
     axes::Axes,
@@ -24,7 +24,7 @@ impl Interpolator {
         match pass::prepare(pass, &stand, &mut self.spindle) {
             Ok(Ready::Arm(arm)) => Event::Pass(arm, cycle),
             Ok(Ready::Wait) => Event::Waits(Wait::No),
-            Ok(Ready::Lead(start)) => match self.travel.lead_to(self.program.line, &start) {
+            Ok(Ready::Lead(start)) => match self.travel.lead_to(self.program.line, &start, Feed::Rapid) {
                 Ok(()) => Event::Moved(Moved::default()),
                 Err(fault) => Event::refused(fault, cycle),
             },
@@ -66,7 +66,7 @@ impl Interpolator {
             () if here == start => return Event::Returned,
             () => start,
         };
-        match self.travel.lead_to(self.program.line, &target) {
+        match self.travel.lead_to(self.program.line, &target, Feed::Rapid) {
             Ok(()) => Event::Moved(Moved { back: Some(back), ..Moved::default() }),
             Err(fault) => Event::refused(fault, cycle),
         }

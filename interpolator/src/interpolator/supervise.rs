@@ -90,7 +90,8 @@ impl Interpolator {
         let (spindle, in_vain) = (&self.spindle, self.patience.is_over(&self.spindle));
         let turning = spindle.commanded() != 0.0;
         match self.task {
-            Task::Enabling | Task::Starting if in_vain => Some(Fault::DriveFault),
+            Task::Enabling | Task::Starting | Task::Referencing { .. } if in_vain => Some(Fault::DriveFault),
+            Task::Ready { .. } if in_vain && self.references.runs() => Some(Fault::AxisNotInPosition),
             Task::Ready { .. }
                 if in_vain
                     && (turning || self.machine.spindle.is_none() || self.program.sets_output())

@@ -1,6 +1,6 @@
 //! What a tick finds, and what it carries.
 
-use protocol::{Axis, Cycle, Fault, Panel, ThreadPass, Until};
+use protocol::{Axis, Cycle, Fault, Panel, Position, ThreadPass, Until};
 
 use super::Task;
 
@@ -141,6 +141,10 @@ pub(crate) enum Event {
     Moved(Moved),
     /// A pass is next, and may begin.
     Pass(InHand, Cycle),
+    /// The drive of an axis is to take an offset.
+    Sets(Axis, Position),
+    /// It has.
+    IsSet,
     /// Every axis waits for the index.
     Armed,
     /// The operator wants the machine to hold, or to end the program, in this tick.

@@ -15,6 +15,8 @@
 //! | Awaiting | the input is not what is waited for | Awaiting | stream |
 //! | Ready | a tool is to be put in by hand, axes and spindle stand | ChangingTool | stream |
 //! | Ready | the next block by hand is wanted | ByHand | stream |
+//! | Ready | a reference run has found its place | Referencing | stream |
+//! | Referencing | the measurement has the offset of the axis | Ready | **reference** |
 //! | Moving | the jog key was let go, and the axes stand | Ready | stream |
 //! | Dwelling, Awaiting, Paused, ChangingTool, ByHand | over, or the operator ends the program | Ready | stream |
 //! | Arming | every axis is armed two ticks later | Armed | hold |
@@ -49,7 +51,7 @@
 mod event;
 mod order;
 
-use protocol::{Cycle, Fault, MachineState};
+use protocol::{Axis, Cycle, Fault, MachineState, Position};
 
 pub(crate) use event::{Await, Back, Event, InHand, Moved, Trouble, Wait, Way, Why};
 pub(crate) use order::Order;
@@ -95,6 +97,13 @@ pub(crate) enum Task {
     },
     /// Waits for the next block by hand.
     ByHand,
+    /// A drive takes an offset that makes the position of its axis true.
+    Referencing {
+        /// The axis.
+        axis: Axis,
+        /// The offset.
+        home_offset: Position,
+    },
     /// A pass was sent at tick `sent`.
     Arming {
         /// The pass.
@@ -165,6 +174,7 @@ impl Task {
             (_, Task::Fault { order, .. }) => *order,
             (_, Task::CallingOff { .. } | Task::Leaving { way: Way::CallOff, .. }) => Order::CallOff,
             (_, Task::Leaving { way: Way::Leave(at), .. }) => Order::Leave(*at),
+            (Task::Referencing { axis, home_offset }, _) => Order::Reference(*axis, *home_offset),
             (Task::Enabling, _) => Order::Hold,
             // The setpoint of a tick in which a pass ends is of the time before it.
             (task, _) | (_, task) if task.pass().is_some() => Order::Hold,
@@ -190,6 +200,10 @@ impl Task {
                 Task::ChangingTool { cycle_starts: *cycle_starts }
             }
             (Task::Ready { .. }, Event::ByHand) => Task::ByHand,
+            (Task::Ready { .. }, Event::Sets(axis, home_offset)) => {
+                Task::Referencing { axis: *axis, home_offset: *home_offset }
+            }
+            (Task::Referencing { .. }, Event::IsSet) => Task::Ready { wait: Wait::No },
             (Task::Ready { .. }, Event::Pass(pass, sent)) => Task::Arming { pass: *pass, sent: *sent },
             (Task::Ready { .. }, Event::Ends(stopped)) => Task::Ending { stopped: *stopped },
             (Task::Ready { .. } | Task::Returning { .. }, Event::Moved(moved)) => moved.task(None),
@@ -293,7 +307,9 @@ impl Task {
             }
             Task::ChangingTool { .. } => MachineState::ToolChange,
             Task::ByHand => MachineState::ByHand,
-            Task::Dwelling { .. } | Task::Awaiting(_) | Task::Ending { .. } => MachineState::Waiting,
+            Task::Dwelling { .. } | Task::Awaiting(_) | Task::Ending { .. } | Task::Referencing { .. } => {
+                MachineState::Waiting
+            }
             Task::Arming { .. }
             | Task::Armed(_)
             | Task::CallingOff { .. }

@@ -1,6 +1,6 @@
 //! What the axes are told in a tick, and what of it each of them gets.
 
-use protocol::{Axis, AxisCommand, Cycle};
+use protocol::{Axis, AxisCommand, Cycle, Position};
 
 use super::InHand;
 
@@ -20,6 +20,8 @@ pub(crate) enum Order {
     Leave(Cycle),
     /// Come to rest at once.
     Stop,
+    /// The drive of this axis takes this offset; the others hold.
+    Reference(Axis, Position),
 }
 
 impl Order {
@@ -31,6 +33,10 @@ impl Order {
             Order::CallOff => AxisCommand::CallOff,
             Order::Leave(at) => AxisCommand::Leave { at: *at },
             Order::Stop => AxisCommand::Stop,
+            Order::Reference(own, home_offset) if *own == axis => {
+                AxisCommand::Reference { home_offset: *home_offset }
+            }
+            Order::Reference(..) => AxisCommand::Hold,
             Order::Arm(InHand { pass, not_before }) => AxisCommand::Arm {
                 pass: pass.pass,
                 s_rpm: pass.s_rpm,

@@ -207,8 +207,16 @@ impl House {
 
 /// The codes that launchers refuse by.
 fn known(code: &str) -> &'static str {
-    const CODES: [&str; 7] =
-        ["not-running", "too-many", "not-now", "bad-value", "bad-block", "bad-offset", "bad-line"];
+    const CODES: [&str; 8] = [
+        "not-running",
+        "too-many",
+        "not-now",
+        "not-referenced",
+        "bad-value",
+        "bad-block",
+        "bad-offset",
+        "bad-line",
+    ];
     CODES.into_iter().find(|known| *known == code).unwrap_or("refused")
 }
 

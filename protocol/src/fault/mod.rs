@@ -45,6 +45,11 @@ pub enum Fault {
     ForceTooHigh = 31,
     InputTimedOut = 32,
     LateAnswers = 33,
+    NotReferenced = 34,
+    SwitchNotFound = 35,
+    SwitchNotReleased = 36,
+    IndexNotFound = 37,
+    IndexTooNear = 38,
 }
 
 /// One row of the table.
@@ -70,8 +75,8 @@ pub struct FaultRow {
 
 impl Fault {
     /// Every fault in the order of its code, which starts at 1.
-    pub const ALL: [Fault; 33] = {
-        let mut all = [Fault::FollowingError; 33];
+    pub const ALL: [Fault; 38] = {
+        let mut all = [Fault::FollowingError; 38];
         let mut i = 0;
         while i < all.len() {
             all[i] = FAULTS[i].fault;

@@ -10,7 +10,7 @@ const fn most(sum: &'static [Span], when: &'static str) -> Within {
 }
 
 /// The table, in the order of the codes.
-pub const FAULTS: [FaultRow; 33] = [
+pub const FAULTS: [FaultRow; 38] = [
     FaultRow {
         fault: Fault::FollowingError,
         code: "following-error",
@@ -346,5 +346,55 @@ pub const FAULTS: [FaultRow; 33] = [
         reaction: "leaves the pass; brakes in timed motion; after `plant.bus.lost_commands` in a row its drive has tripped, and the axis stands where it is",
         text: "the third answer of this regulator in a row came late or not at all: the computer was too slow; more priority, a longer cycle_s, `pitchlock doctor`",
         remedy: "the computer (`pitchlock doctor`), `cycle_s`, priority",
+    },
+    FaultRow {
+        fault: Fault::NotReferenced,
+        code: "not-referenced",
+        source: "interpolator",
+        found: "a move that is no jog, a work or a pass is next, and an axis with `[axis.*.reference]` has not made its reference run",
+        within: &[Before("the move")],
+        reaction: "the axes rest; the program ends",
+        text: "an axis has not made its reference run, so nobody knows where it stands",
+        remedy: "Home of that axis",
+    },
+    FaultRow {
+        fault: Fault::SwitchNotFound,
+        code: "switch-not-found",
+        source: "interpolator",
+        found: "the reference switch did not go on within the whole travel and 10 mm, or not again within what the axis has backed off and 1 mm",
+        within: &[most(&[Ticks(1)], "behind that way")],
+        reaction: "the axis rests, not referenced; the run ends",
+        text: "the reference run found no switch; check the switch, its cable, and the direction of search_mm_s",
+        remedy: "switch, cable, sign of `search_mm_s`",
+    },
+    FaultRow {
+        fault: Fault::SwitchNotReleased,
+        code: "switch-not-released",
+        source: "interpolator",
+        found: "the reference switch stayed on while the axis backed off from the end of its travel past `position_mm` by 10 mm",
+        within: &[most(&[Ticks(1)], "behind that way")],
+        reaction: "the axis rests, not referenced; the run ends",
+        text: "the reference switch stays on although the axis has backed off; check whether it sticks, or its cable",
+        remedy: "switch, cable, `position_mm`",
+    },
+    FaultRow {
+        fault: Fault::IndexNotFound,
+        code: "index-not-found",
+        source: "interpolator",
+        found: "the motor passed no index within 1.5 turns",
+        within: &[most(&[Ticks(1)], "behind that way")],
+        reaction: "the axis rests, not referenced; the run ends",
+        text: "the encoder of the axis showed no index within 1.5 turns of its motor; check its cable",
+        remedy: "encoder of the axis, its cable, `screw_lead_mm`",
+    },
+    FaultRow {
+        fault: Fault::IndexTooNear,
+        code: "index-too-near",
+        source: "interpolator",
+        found: "the first index behind the switch lies within a tenth of a turn of it, or of a whole turn from it: another time it may be the next one",
+        within: &[most(&[Ticks(1)], "behind the index")],
+        reaction: "the axis rests, not referenced; the run ends",
+        text: "the reference switch lies so near an index of the motor that another run might take the next one; move the switch by half a turn",
+        remedy: "place of the switch: half a turn before the index",
     },
 ];

@@ -46,7 +46,8 @@ impl Contour {
         let tells = |status: &AxisStatus| {
             status.state() == AxisState::Streaming && status.cycle == record.truth.cycle
         };
-        if !record.axes.iter().all(|(_, status)| tells(status)) {
+        // Nor does an axis of which nobody knows where it is.
+        if record.machine.unreferenced != 0 || !record.axes.iter().all(|(_, status)| tells(status)) {
             return;
         }
         let linear = record.axes.iter().filter(|(axis, _)| !axis.is_rotary());

@@ -115,8 +115,8 @@ pub struct Record<'a> {
 
 /// Bytes that are hashed at once: a power of two, so that whole subtrees of the hash go side by side.
 const HASH_BATCH: usize = 64 * 1024;
-/// Bytes of a truth that count: all but what is to be done to a module, which shows in what follows.
-const HASHED: usize = std::mem::offset_of!(Truth, doomed);
+/// Bytes of a truth that count: all but what reference runs ask and what is to be done to a module.
+const HASHED: usize = std::mem::offset_of!(Truth, measurement.references);
 
 /// Watches a run. Feed it every control cycle from the first, in order.
 #[derive(Clone)]

@@ -28,6 +28,7 @@ mod phases;
 mod poles;
 mod presses;
 mod reactions;
+mod references;
 mod resume;
 mod rings;
 mod rotary;

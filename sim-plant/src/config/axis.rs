@@ -26,6 +26,18 @@ pub(crate) struct Facts {
     pub(crate) torque_limit_nm: f64,
 }
 
+/// What may be wrong with switch and index of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum ReferenceFault {
+    /// The switch is never on.
+    SwitchOpen,
+    /// It is always on.
+    SwitchClosed,
+    /// The encoder shows no index.
+    NoIndex,
+}
+
 /// `[plant.axis.*]`: motor and screw, slide, guide, and what the drive does when it is left alone.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -37,6 +49,15 @@ pub(crate) struct AxisTrain {
     pub(crate) torque_limit_nm: Option<f64>,
     /// How far beside where it believes to be at home the slide truly stands, mm.
     pub(crate) home_off_mm: f64,
+    /// Of an axis with a reference: where its switch goes on and where an index of its motor lies, mm; what
+    /// the controller believes if nothing is said, the switch half a turn before an index behind it.
+    pub(crate) switch_mm: Option<f64>,
+    pub(crate) index_mm: Option<f64>,
+    /// How far back the switch goes off, and how far beside its place it goes on at most, mm.
+    pub(crate) switch_hysteresis_mm: f64,
+    pub(crate) switch_scatter_mm: f64,
+    /// What is wrong with them.
+    pub(crate) reference_fault: Option<ReferenceFault>,
     /// Everything that turns: rotor, coupling, screw, kg m².
     pub(crate) inertia_kg_m2: f64,
     /// Slide with its tool, kg.
@@ -95,6 +116,11 @@ impl Default for AxisTrain {
             screw_lead_mm: None,
             encoder_counts: None,
             home_off_mm: 0.0,
+            switch_mm: None,
+            index_mm: None,
+            switch_hysteresis_mm: 0.05,
+            switch_scatter_mm: 0.002,
+            reference_fault: None,
             scale_step_mm: None,
             torque_limit_nm: None,
             inertia_kg_m2: 12e-4,
@@ -172,6 +198,10 @@ impl AxisTrain {
             ("overspeed_mm_s", self.overspeed_mm_s, 1.0, 1e5),
             ("brake_n", self.brake_n, 1.0, 1e6),
             ("home_off_mm", self.home_off_mm, -100.0, 100.0),
+            ("switch_mm", self.switch_mm.unwrap_or(0.0), -1e5, 1e5),
+            ("index_mm", self.index_mm.unwrap_or(0.0), -1e5, 1e5),
+            ("switch_scatter_mm", self.switch_scatter_mm, 0.0, 1.0),
+            ("switch_hysteresis_mm", self.switch_hysteresis_mm, 2.0 * self.switch_scatter_mm, 10.0),
             ("gravity_n", self.gravity_n, -HELD * self.brake_n, HELD * self.brake_n),
         ] {
             range(&format!("{section}.{name}"), value, low, high)?;

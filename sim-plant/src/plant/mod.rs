@@ -2,52 +2,24 @@
 //! spindle command in force, perhaps what the operator does. Out: the next measurement, and the truth behind
 //! it. A torque computed in cycle n − 1 acts from t_n to t_{n+1}.
 
+mod axis;
 mod outage;
 
 use machine::Machine;
 use protocol::operator::Request;
-use protocol::{
-    Axis, Cycle, DriveCommand, Measurement, Panel, PerAxis, Position, SpindleCommand, StatusWord, Truth,
-};
+use protocol::{Axis, Cycle, DriveCommand, Measurement, Panel, PerAxis, SpindleCommand, Truth};
 
-use crate::breakages::AxisBreakage;
 use crate::bus::Bus;
 use crate::config::{self, PlantConfig, PlantError};
 use crate::cutting::Cutter;
-use crate::drive::{Drive, Trip};
-use crate::drive_train::{Acting, DriveTrain};
-use crate::meter::Meter;
+use crate::drive::Trip;
 use crate::orders::{Order, Packet};
 use crate::scale::Scale;
 use crate::scenario::{Scenario, SpindleFault};
 use crate::seed::Seed;
 use crate::spindle::{self, Spindle};
 use crate::timeline::{Moment, Timeline};
-
-/// One axis: drive, mechanics, encoder at the motor, perhaps a scale at the slide.
-#[derive(Clone, Debug)]
-struct AxisPlant {
-    axis: Axis,
-    /// Where the axis was referenced, as the controller believes and as it is.
-    home_mm: f64,
-    true_home_mm: f64,
-    drive: Drive,
-    train: DriveTrain,
-    meter: Meter,
-    /// Torque command computed in the cycle before; `None` without power.
-    torque_nm: Option<f64>,
-    /// A count, as the controller believes and as it is.
-    quantum_mm: f64,
-    true_quantum_mm: f64,
-    inverse_cycle: f64,
-    /// Where home lies within its count, a share of one.
-    encoder_phase: f64,
-    /// Counts that the counter has jumped by.
-    jumped: f64,
-    count: f64,
-    count_before: f64,
-    scale: Option<Scale>,
-}
+use axis::AxisPlant;
 
 /// How fresh the spindle command is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -109,24 +81,16 @@ impl Plant {
             let train = config.axis.get(&axis).cloned().unwrap_or_default();
             let facts = train.facts(belief);
             scales_mm.push(facts.scale_step_mm.zip(belief.scale_step_mm));
-            let mut own = unseen.branch(axis.index() as u64);
-            axes.push(AxisPlant {
+            let own = unseen.branch(axis.index() as u64);
+            axes.push(AxisPlant::new(
                 axis,
-                home_mm: belief.home_mm,
-                true_home_mm: facts.home_mm,
-                drive: Drive::new(belief, &train, config.bus.lost_commands, cycle_s),
-                train: DriveTrain::new(&train, axis, &facts, cycle_s, &mut own)?,
-                meter: Meter::new(train.torque_noise_nm, train.torque_step_nm, own),
-                torque_nm: None,
-                quantum_mm: belief.screw_lead_mm / f64::from(belief.encoder_counts),
-                true_quantum_mm: facts.screw_lead_mm / f64::from(facts.encoder_counts),
-                inverse_cycle: 1.0 / cycle_s,
-                encoder_phase: seed.fraction(),
-                jumped: 0.0,
-                count: 0.0,
-                count_before: 0.0,
-                scale: None,
-            });
+                belief,
+                &train,
+                &facts,
+                [cycle_s, seed.fraction()],
+                own,
+                config.bus.lost_commands,
+            )?);
         }
         // Drawn last: with a scale or without, the encoders lie where they lie.
         for (axis, steps_mm) in axes.iter_mut().zip(scales_mm) {
@@ -286,12 +250,8 @@ impl Plant {
             let motion = axis.train.motion();
             let (nut_m, nut_m_s) = axis.train.nut();
             let slide_mm = axis.true_home_mm + 1e3 * motion.slide_m;
-            let measured = &mut self.fresh.axes[index];
-            measured.position = axis.position();
-            measured.scale = axis.scale.map_or(measured.position, |scale| scale.position(slide_mm));
-            measured.torque_nm = axis.meter.show(now, motion.torque_nm);
-            let StatusWord(word) = axis.drive.status_word();
-            measured.status_word = u32::from(word);
+            self.fresh.axes[index] = axis.measured(now);
+            self.fresh.references[index] = axis.reference;
             let truth = &mut self.truth.axes[index];
             truth.motor_mm = axis.true_home_mm + 1e3 * nut_m;
             truth.slide_mm = slide_mm;
@@ -356,45 +316,5 @@ impl Freshness {
         self.age = if command.cycle == self.cycle { self.age + 1 } else { 0 };
         self.cycle = command.cycle;
         self.come && self.age > self.stale
-    }
-}
-
-impl AxisPlant {
-    /// Something breaks.
-    fn suffer(&mut self, breakage: &AxisBreakage) {
-        breakage.trip.into_iter().for_each(|trip| self.drive.trip(trip));
-        self.jumped += (breakage.jump_mm / self.quantum_mm).round();
-    }
-
-    /// What acts on the mechanics until the next cycle, when the drive has a command.
-    /// It has been under way for `late` cycles.
-    fn acting(&mut self, now: Cycle, late: u64, command: &DriveCommand, force_n: f64) -> Acting {
-        let v_meas = (self.count - self.count_before) * self.quantum_mm * self.inverse_cycle;
-        let answer = self.drive.answer(now, late, command, v_meas);
-        // Power comes with the first torque; it goes at once, and the brake with it.
-        let command_nm = answer.and(self.torque_nm);
-        self.torque_nm = answer;
-        Acting { command_nm, force_n }
-    }
-
-    /// The encoder counts on to where the motor has come.
-    fn count(&mut self) {
-        self.count_before = self.count;
-        let motor_mm = 1e3 * self.train.motion().motor_m;
-        self.count = (motor_mm / self.true_quantum_mm + self.encoder_phase).floor();
-        if self.jumped != 0.0 {
-            self.count += self.jumped;
-        }
-    }
-
-    /// Where the slide will be in the middle of the cycle that begins, mm.
-    fn slide_ahead_mm(&self) -> f64 {
-        let motion = self.train.motion();
-        self.true_home_mm + 1e3 * (motion.slide_m + 0.5 * motion.slide_m_s / self.inverse_cycle)
-    }
-
-    /// Middle of the count, as the controller takes it (M116).
-    fn position(&self) -> Position {
-        Position::from_mm(self.home_mm + (self.count + 0.5 - self.encoder_phase) * self.quantum_mm)
     }
 }

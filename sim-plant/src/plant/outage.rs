@@ -75,12 +75,3 @@ impl Plant {
         self.cutter.change(by_mm);
     }
 }
-
-impl AxisPlant {
-    fn switch_on(&mut self) {
-        self.drive.switch_on();
-        (self.torque_nm, self.jumped) = (None, 0.0);
-        self.count();
-        self.count_before = self.count;
-    }
-}

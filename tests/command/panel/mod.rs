@@ -10,6 +10,7 @@ mod from;
 mod hostile;
 mod pictures;
 mod playback;
+mod reference;
 mod scope;
 mod tables;
 mod tasks;

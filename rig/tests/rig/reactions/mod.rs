@@ -21,8 +21,11 @@ use crate::stand::compiled;
 
 const PAGE: &str = include_str!("../../../../docs/faults.md");
 
+const REFERENCES: &str = include_str!("../references.rs");
+const NOT_FOUND: &str = "a_switch_or_an_index_that_does_not_come_is_a_fault_by_name";
+
 /// What neither plant nor wires nor a module can cause, and the test that has it: its file and its name.
-const ELSEWHERE: [(Fault, &str, &str); 4] = [
+const ELSEWHERE: [(Fault, &str, &str); 9] = [
     (
         Fault::PassNotFeasible,
         include_str!("mod.rs"),
@@ -34,6 +37,11 @@ const ELSEWHERE: [(Fault, &str, &str); 4] = [
         "arcs_that_cannot_be_are_faults_and_move_nothing",
     ),
     (Fault::InputTimedOut, include_str!("../inputs.rs"), "an_input_that_does_not_come_in_time_is_a_fault"),
+    (Fault::NotReferenced, REFERENCES, "a_move_by_hand_is_refused_before_the_reference_run_and_a_jog_is_not"),
+    (Fault::SwitchNotFound, REFERENCES, NOT_FOUND),
+    (Fault::SwitchNotReleased, REFERENCES, NOT_FOUND),
+    (Fault::IndexNotFound, REFERENCES, NOT_FOUND),
+    (Fault::IndexTooNear, REFERENCES, NOT_FOUND),
     // Nobody has ever seen one: this test plans at random, and none comes.
     (
         Fault::PlanRejected,

@@ -1,10 +1,13 @@
 //! The regulator of one axis: receive, decide, evaluate, command, report.
 
+mod answer;
+mod referenced;
+
 use machine::Machine;
 use motion::{Limits, Sample};
 use protocol::{
-    Axis, AxisCommand, AxisFrame, AxisStatus, ControlWord, Cycle, DriveCommand, DriveState, Measurement,
-    PerAxis, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
+    Axis, AxisCommand, AxisFrame, AxisStatus, Cycle, DriveCommand, DriveState, Measurement, PerAxis,
+    Position, Refused, WayOut, frame::SETPOINT_LEAD, units::AXES,
 };
 
 use crate::{
@@ -13,7 +16,7 @@ use crate::{
     jumps::Jumps,
     leave::{self, Cause},
     lift::Lift,
-    loops::{Command, Loops},
+    loops::Loops,
     reference::{Motor, Reference},
     spindle::Spindle,
     state::{Event, State, rests_at},
@@ -91,6 +94,9 @@ pub struct Regulator {
     line: u32,
     refused: u32,
     last: Sample,
+    /// The offset that the drive is told, and the one that measurements have.
+    home_offset: Position,
+    shown_offset: Position,
     answered: Out,
 }
 
@@ -133,6 +139,8 @@ impl Regulator {
             line: 0,
             refused: 0,
             last: Sample::default(),
+            home_offset: Position(0),
+            shown_offset: Position(0),
             answered: Out::default(),
         }
     }
@@ -152,6 +160,7 @@ impl Regulator {
             compensation.step();
         }
         self.spindle.update(measurement, missed, self.state.pass());
+        self.take_offset(measurement);
         let idle = matches!(self.state, State::Idle | State::Fault(_));
         let measured_mm = self.watch.position(self.measured_mm(measurement), missed, !idle);
         // Nearly always there is none, and nothing is copied.
@@ -247,7 +256,12 @@ impl Regulator {
             }
         }
         self.frame_due = Some(frame.cycle.after(self.tick));
-        Ok(command)
+        match command {
+            AxisCommand::Reference { home_offset } if !self.is_referenced(home_offset) => {
+                Err(Refused::OutOfRange("reference of an axis that does not rest"))
+            }
+            command => Ok(command),
+        }
     }
 
     fn advance(
@@ -338,63 +352,5 @@ impl Regulator {
         let measured = &measurement.axes[lifting];
         let place = if self.scales[lifting] { measured.scale } else { measured.position };
         Lift::of(out, measured, self.lifting[lifting].position(place.mm(), missed, true))
-    }
-
-    fn answer(&self, measurement: &Measurement, angle_deg: f64, command: &Command, error: f64) -> Out {
-        let (cycle, now) = (measurement.cycle, &self.last);
-        let control_word = self.control_word(measurement);
-        let drive = DriveCommand {
-            cycle,
-            control_word: control_word as u32 | self.calls(),
-            check: 0,
-            target_velocity_mm_s: command.target_velocity_mm_s,
-            velocity_offset_mm_s: command.velocity_offset_mm_s,
-            torque_offset_nm: command.torque_offset_nm,
-        };
-        let turning = self.compensation.as_ref().is_some_and(Compensation::is_turning);
-        let still = now.v == 0.0 && now.a == 0.0 && !turning;
-        let streaming = matches!(self.state, State::Streaming);
-        let status = AxisStatus {
-            cycle,
-            state: self.state.public() as u32,
-            fault: self.state.fault().map_or(0, |fault| fault as u32),
-            pass: self.state.pass().map_or(0, |pass| pass.number),
-            line: self.line,
-            in_position: u32::from(streaming && still && error.abs() <= self.in_position_mm),
-            refused: self.refused,
-            commanded_mm: now.s,
-            velocity_mm_s: now.v,
-            acceleration_mm_s2: now.a,
-            jerk_mm_s3: now.j,
-            servo_error_mm: error,
-            angle_deg,
-            spindle_rpm: self.spindle.rpm(),
-            control_word: drive.control_word,
-            encoder_counts: self.encoder_counts(),
-            target_velocity_mm_s: drive.target_velocity_mm_s,
-            velocity_offset_mm_s: drive.velocity_offset_mm_s,
-            torque_offset_nm: drive.torque_offset_nm,
-        };
-        Out { drive: drive.sealed(), status }
-    }
-
-    /// The counts of the encoder's fault that is latched; else those that were corrected.
-    fn encoder_counts(&self) -> i32 {
-        let counts = match (self.state.fault(), self.spindle.fault()) {
-            (Some(fault), Some(found)) if found.fault == fault => found.counts,
-            _ => self.spindle.corrected().into(),
-        };
-        counts.clamp(i32::MIN.into(), i32::MAX.into()) as i32
-    }
-
-    /// An axis that leaves while the tool is in a groove asks the others to.
-    fn calls(&self) -> u32 {
-        let leaves = matches!(self.state, State::Leaving(_)) && self.out.is_some();
-        if leaves { DriveCommand::CALLS } else { 0 }
-    }
-
-    fn control_word(&self, measurement: &Measurement) -> ControlWord {
-        let towards_operation = || measurement.axes[self.axis].drive().towards_operation();
-        self.state.stops().or_else(towards_operation).unwrap_or(ControlWord::DisableVoltage)
     }
 }
