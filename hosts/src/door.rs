@@ -171,8 +171,12 @@ impl Door {
             (None, wants) => (self.welcome((of, back), wants)?, Verdict::Welcome),
         };
         let answer = Answer { of: hello.nonce, nonce: hex(own), verdict };
-        // An answer that finds no place is asked for again.
-        self.mouths.to(back).that_does_not_wait().say(sealed(Greeting::Answer, &self.key, &answer)?)
+        // An answer that finds no place is asked for again; a summary is long, and needs its time.
+        let mouth = match &answer.verdict {
+            Verdict::Outcome(_) => self.mouths.to(back),
+            _ => self.mouths.to(back).that_does_not_wait(),
+        };
+        mouth.say(sealed(Greeting::Answer, &self.key, &answer)?)
     }
 
     /// Somebody looks: what is known is said at once, and asked for anew, once at a time.

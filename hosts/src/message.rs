@@ -5,7 +5,7 @@ use protocol::Credit;
 /// Most bytes of the files that a program is made of.
 pub const FILE: usize = 64 << 20;
 /// Most bytes of a part of one: a message that takes long to be sent is given up.
-pub const PART: usize = 256 << 10;
+pub const PART: usize = 64 << 10;
 /// Most bytes of the name of one.
 const FILE_NAME: usize = 255;
 

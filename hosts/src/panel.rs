@@ -78,8 +78,11 @@ pub(crate) fn carry_down(wire: &Wire, door: &mut Door, session: &mut Session) ->
                 Some(Message::Press(what)) => say(&Said::Press(what)),
                 Some(Message::Open(number)) => {
                     let path: &PathBuf = place.as_ref().ok_or_else(|| too_early(&"a socket"))?;
-                    let socket = UnixStream::connect(path).map_err(|error| LinkError::file(path, error))?;
-                    carried.begins(number, socket, wire, session)?;
+                    match UnixStream::connect(path) {
+                        Ok(socket) => carried.begins(number, socket, wire, session)?,
+                        // Its launcher is about to end, and why is said soon.
+                        Err(_) => session.voice.say(&Message::Shut(number))?,
+                    }
                 }
                 Some(message) => carried.takes(message, session)?,
                 None => {}

@@ -16,8 +16,8 @@ use std::{
 
 use crate::{LinkError, message::Message, session::Voice};
 
-/// Most bytes on the way.
-const WINDOW: usize = 256 << 10;
+/// Most bytes on the way: as many as wire and system keep for a cable that is pulled for a moment.
+const WINDOW: usize = 64 << 10;
 /// Most bytes that are read at once.
 const BLOCK: usize = 16 << 10;
 /// Most messages that wait to be written here. Whoever keeps to the window never has so many.

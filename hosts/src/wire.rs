@@ -27,13 +27,16 @@ use crate::{
     session::SILENCE,
 };
 
-/// Most bytes of a message: a part of a file with its name, and what is around it.
-const MOST: usize = message::PART + 1024;
+/// Most bytes of a message: a summary of many passes is the longest.
+const MOST: usize = message::FILE;
 /// Bytes that may wait to be looked at. What comes beyond that is lost, and a session ends by that; what
 /// whoever started this process says is never.
-const WAITING: usize = message::FILE + (8 << 20);
+const WAITING: usize = MOST + (8 << 20);
 /// What a message that waits takes beside its bytes, at most.
 const AROUND: usize = 128;
+/// Who has not taken anything for so long is given up by the machine: whoever has a run waits for him. What
+/// goes up to that one is little, and finds room while his cable is pulled.
+const RUDE: Duration = Duration::from_secs(1);
 /// Connections at once: the other host, and room for those that are about to go.
 const CONNECTIONS: usize = 8;
 
@@ -141,17 +144,17 @@ impl Mouths {
 fn config(at: Level, address: &str) -> Result<zenoh::Config, LinkError> {
     let mut config = zenoh::Config::default();
     let here = format!("[\"tcp/{address}\"]");
-    let (listen, connect) = match at {
-        Level::Lower => (here.as_str(), "[]"),
-        Level::Upper => ("[]", here.as_str()),
+    let (listen, connect, patience) = match at {
+        Level::Lower => (here.as_str(), "[]", RUDE),
+        Level::Upper => ("[]", here.as_str(), SILENCE),
     };
     let retry = "{ period_init_ms: 50, period_max_ms: 200, period_increase_factor: 2 }";
     let (most, connections, patience) =
-        ((MOST + 1024).to_string(), CONNECTIONS.to_string(), SILENCE.as_micros().to_string());
+        ((MOST + 1024).to_string(), CONNECTIONS.to_string(), patience.as_micros().to_string());
     for (key, value) in [
         ("transport/link/rx/max_message_size", most.as_str()),
         ("transport/unicast/max_sessions", &connections),
-        // Who has not taken anything for so long is given up, so nobody waits for longer to say something.
+        // Who has not taken anything for so long is given up: nobody waits for longer to say something.
         ("transport/link/tx/queue/congestion_control/block/wait_before_close", &patience),
         ("mode", "\"peer\""),
         ("listen/endpoints", listen),

@@ -153,7 +153,7 @@ fn a_link_that_is_frozen_for_a_tenth_of_a_second_recovers_by_itself() {
         wait_s(0.2);
     }
     let summary = summary(&ended(run, 120.0));
-    assert_eq!(summary["trace_hash"], alone["trace_hash"]);
+    assert_eq!(summary["trace_hash"], alone["trace_hash"], "{summary}");
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn one_frame_lost_in_a_hundred_changes_nothing() {
     let program = many_passes(&place, 60);
     place.serve(&[]);
     let (far, alone) = (place.run(&program, &[]), place.alone(&program, &[]));
-    assert_eq!(far["trace_hash"], alone["trace_hash"]);
+    assert_eq!(far["trace_hash"], alone["trace_hash"], "{far}");
     assert_eq!(far["passes"], alone["passes"]);
     let mut doctor = place.command(Host::A, &control());
     doctor.args(["doctor", "--at", &place.address, "--key"]).arg(place.at("key"));

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::{
     hall::look,
-    place::{Cable, Host, Place, control, ended, project, signal, summary, until},
+    place::{Cable, Host, Place, control, ended, project, signal, summary, until, wait_s},
     relay::Relay,
 };
 
@@ -235,6 +235,32 @@ fn a_cable_that_is_cut_in_a_jog_brings_the_axis_to_rest_in_150_ms() {
     until("the machine waits again", 5.0, || !place.links(Host::B).is_empty());
     let program = project("examples/m20x2.ngc");
     assert_eq!(place.run(&program, &[])["trace_hash"], place.alone(&program, &[])["trace_hash"]);
+}
+
+/// While it is pulled states and rows of the scope wait, and what does not fit is left out; nobody is given
+/// up.
+#[test]
+fn a_cable_that_is_pulled_for_a_second_is_not_noticed() {
+    let Some(cable) = Cable::lay() else { return };
+    let mut place = Place::new(Some(cable));
+    let program = project("examples/m20x2.ngc");
+    let alone = place.alone(&program, &[]);
+    place.serve(&[]);
+    let name = program.display().to_string();
+    let mut panel = Panel::start(&place, &[&name, "--pace", "8", "--trace", "none"]);
+    panel.press("take-seat", Value::Null);
+    panel.press("start", Value::Null);
+    until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+    for _ in 0..2 {
+        place.cable.as_ref().expect("laid").plug(false);
+        wait_s(1.0);
+        place.cable.as_ref().expect("laid").plug(true);
+        let cycle = panel.state()["cycle"].as_u64();
+        until("it is seen to go on", 20.0, || panel.state()["cycle"].as_u64() > cycle);
+    }
+    panel.is("off");
+    assert_eq!(summary_of(&place, 0)["trace_hash"], alone["trace_hash"]);
+    panel.ends(&place);
 }
 
 #[test]

@@ -144,6 +144,16 @@ impl Speaker {
         }
     }
 
+    /// Greets so often while a run of somebody else is on, and reads no answer.
+    pub(crate) fn greets_in_vain(&self, number: usize) {
+        for _ in 0..number {
+            let (nonce, back) = (hex(seal::nonce().expect("a number")), hex(self.wire.name));
+            let identity = Identity::here(env!("CARGO_PKG_VERSION"), &self.machine);
+            let hello = Hello { nonce, back, wants: Wants::Run, identity };
+            self.says(&sealed(Greeting::Hello, &self.key, &hello).expect("sealed"));
+        }
+    }
+
     pub(crate) fn says(&self, bytes: &[u8]) {
         self.wire.mouth().say(bytes.to_vec()).expect("said");
     }

@@ -56,6 +56,42 @@ fn clients_that_do_not_read_hold_nobody_up() {
     assert_eq!(summary(&ended(run, 60.0))["trace_hash"], alone["trace_hash"]);
 }
 
+/// A stranger who takes all that anybody is told, and reads nothing of it: he is given up, again and again,
+/// and the run goes on.
+#[test]
+fn a_stranger_who_listens_to_all_and_reads_nothing_ends_no_run() {
+    use zenoh::Wait as _;
+    let place = waiting();
+    let program = project("examples/m20x2.ngc");
+    let alone = place.alone(&program, &[]);
+    let run = place.far(&program, &["--json", "--trace", "none", "--pace", "4"]).spawn().expect("it starts");
+    until("the run has begun", 20.0, || !place.runs().is_empty());
+    let mut config = zenoh::Config::default();
+    for (key, value) in [
+        ("mode", "\"peer\"".to_owned()),
+        ("connect/endpoints", format!("[\"tcp/{}\"]", place.address)),
+        ("scouting/multicast/enabled", "false".into()),
+        ("scouting/gossip/enabled", "false".into()),
+    ] {
+        config.insert_json5(key, &value).expect("a key of it");
+    }
+    let session = zenoh::open(config).wait().expect("a stranger");
+    let (heard, hears) = std::sync::mpsc::channel();
+    let subscriber = session.declare_subscriber("pitchlock/**").callback(move |_| {
+        let _ = heard.send(());
+        // He stands there as long as the run does.
+        wait_s(12.0);
+    });
+    let subscriber = subscriber.wait().expect("all of it");
+    let speaker = Speaker::new(&place);
+    until("he has heard of something", 10.0, || hears.try_recv().is_ok());
+    // Somebody else is told much: it goes to the stranger, too.
+    speaker.greets_in_vain(30_000);
+    let output = ended(run, 60.0);
+    assert_eq!(summary(&output)["trace_hash"], alone["trace_hash"], "{}", text(&output));
+    drop((subscriber, session));
+}
+
 /// All files of a run may take longer than silence may.
 #[test]
 fn files_that_take_longer_than_silence_may_are_waited_for() {
