@@ -333,7 +333,7 @@ impl Launch<'_> {
     fn end(&mut self) -> Result<Vec<observe::Channel>, CliError> {
         // An interpreter that waits for machine code by hand gets no more.
         self.by_hand = None;
-        self.watchdog.calm();
+        self.watchdog.waits_for(&self.started);
         while self.wish != Wish::End && self.someone_is_busy()? {
             self.recorder_is_fed()?;
             self.look_at_the_keyboard()?;
@@ -345,12 +345,12 @@ impl Launch<'_> {
         let dead = self.space.unfinished()?;
         let mut counts = self.space.end()?;
         counts.extend(self.channels.counts());
-        self.watchdog.calm();
+        self.watchdog.waits_for(&self.started);
         while self.wish != Wish::End && self.started.iter().any(Started::lives) {
             for one in &mut self.started {
                 one.has_ended()?;
             }
-            if self.watchdog.is_over() {
+            if self.watchdog.have_had_time(&self.started) {
                 break;
             }
             self.look_at_the_keyboard()?;
@@ -383,7 +383,7 @@ impl Launch<'_> {
             |process: &Process| self.started.iter().any(|one| one.host.holds(*process) && one.lives());
         let busy: Vec<Process> =
             unfinished.into_iter().filter(|process| counts(*process) && living(process)).collect();
-        if self.watchdog.is_over() {
+        if self.watchdog.have_had_time(&self.started) {
             busy.iter().for_each(|process| self.kill_frozen(*process));
         }
         Ok(!busy.is_empty())

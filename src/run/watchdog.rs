@@ -3,7 +3,11 @@
 
 use std::time::Duration;
 
-use process::ipc::{NameSpace, Process, child::used, time::Moment};
+use process::ipc::{
+    NameSpace, Process,
+    child::{used, waited_for_pages, waits_for_device},
+    time::Moment,
+};
 
 use super::children::Started;
 use crate::error::CliError;
@@ -15,6 +19,32 @@ const QUIET: Duration = Duration::from_millis(500);
 /// Processes that wait say so once a second: so long what they say is collected at least.
 const COLLECT: Duration = Duration::from_secs(2);
 
+/// Who does something in the end is given so many times the patience: a computer whose disk or processors are taken
+/// by others is slow, and a process that turns in a circle has to end some time.
+const PERIODS: u32 = 6;
+
+/// What a process has done so far, as the operating system counts it.
+#[derive(Clone, Copy)]
+struct Done {
+    pid: u32,
+    /// Ticks on a processor.
+    used: u64,
+    /// Pages that came from a disk.
+    pages: u64,
+}
+
+impl Done {
+    fn of(pid: u32) -> Option<Done> {
+        Some(Done { pid, used: used(pid)?, pages: waited_for_pages(pid)? })
+    }
+
+    /// Whether the same process has gone on since. One that only waits wakes up once a second to say so, which
+    /// may be a tick.
+    fn has_gone_on(self, now: Done) -> bool {
+        self.pid == now.pid && (now.used > self.used + 1 || now.pages > self.pages)
+    }
+}
+
 /// The watch.
 pub(crate) struct Watchdog {
     limit: Option<Duration>,
@@ -23,18 +53,28 @@ pub(crate) struct Watchdog {
     last: Moment,
     /// What the interpreter had used of a processor when who waits for whom began to be collected.
     collecting: Option<Option<u64>>,
+    /// What the living had done when the wait for their end began, or was last prolonged; and how often it was.
+    done: Vec<Done>,
+    prolonged: u32,
 }
 
 impl Watchdog {
     /// A watchdog that bites after so many seconds; 0 is one that never does.
     pub(crate) fn new(limit_s: f64) -> Watchdog {
         let limit = Some(Duration::from_secs_f64(limit_s)).filter(|limit| !limit.is_zero());
-        Watchdog { limit, quiet: Duration::ZERO, last: Moment::now(), collecting: None }
+        Watchdog {
+            limit,
+            quiet: Duration::ZERO,
+            last: Moment::now(),
+            collecting: None,
+            done: Vec::new(),
+            prolonged: 0,
+        }
     }
 
     /// Something has happened.
     pub(crate) fn calm(&mut self) {
-        *self = Watchdog { quiet: Duration::ZERO, last: Moment::now(), collecting: None, ..*self };
+        (self.quiet, self.last, self.collecting) = (Duration::ZERO, Moment::now(), None);
     }
 
     /// Whether the time is over, nothing having happened since [`Watchdog::calm`]. For waits in which nothing
@@ -43,6 +83,29 @@ impl Watchdog {
         self.quiet += self.last.elapsed().min(STEP);
         self.last = Moment::now();
         self.limit.is_some_and(|limit| self.quiet >= limit)
+    }
+
+    /// They are waited for from here on: they have only to end.
+    pub(crate) fn waits_for(&mut self, started: &[Started]) {
+        self.calm();
+        (self.done, self.prolonged) = (done(started), 0);
+    }
+
+    /// Whether they have had all their time to end. Who does something meanwhile, or waits for a device, is not
+    /// frozen and only slow.
+    pub(crate) fn have_had_time(&mut self, started: &[Started]) -> bool {
+        if !self.is_over() {
+            return false;
+        }
+        let now = done(started);
+        let goes_on = |now: &Done| self.done.iter().any(|before| before.has_gone_on(*now));
+        let slow = now.iter().any(goes_on) || living(started).any(waits_for_device);
+        if !slow || self.prolonged + 1 >= PERIODS {
+            return true;
+        }
+        self.calm();
+        (self.done, self.prolonged) = (now, self.prolonged + 1);
+        false
     }
 
     /// Nothing has happened since the last look. Names those who hold the machine up once the time is over.
@@ -110,7 +173,53 @@ impl Hunger {
     }
 }
 
+fn done(started: &[Started]) -> Vec<Done> {
+    living(started).filter_map(Done::of).collect()
+}
+
+fn living(started: &[Started]) -> impl Iterator<Item = u32> {
+    started.iter().filter(|one| one.lives()).map(Started::pid)
+}
+
 fn used_by_interpreter(started: &[Started]) -> Option<u64> {
     let interpreter = started.iter().find(|one| one.host.holds(Process::Interpreter) && one.lives());
     interpreter.and_then(|one| used(one.pid()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::process::{Child, Command};
+
+    struct Ended(Child);
+
+    impl Drop for Ended {
+        fn drop(&mut self) {
+            let _ = self.0.kill();
+            let _ = self.0.wait();
+        }
+    }
+
+    fn shell(does: &str) -> Ended {
+        Ended(Command::new("sh").args(["-c", does]).spawn().expect("a shell"))
+    }
+
+    #[test]
+    fn who_computes_is_told_from_who_waits() {
+        let (busy, waiting) = (shell("while :; do :; done"), shell("exec sleep 1000"));
+        let done = |one: &Ended| Done::of(one.0.id()).expect("it lives");
+        let goes_on = |one: &Ended, before: Done| {
+            let ends = Moment::in_s(60.0);
+            while !before.has_gone_on(done(one)) && !ends.passed() {
+                process::ipc::time::sleep_until(Moment::in_s(0.01));
+            }
+        };
+        // Time enough for the other one to begin to wait.
+        goes_on(&busy, done(&busy));
+        let (busy_before, waiting_before) = (done(&busy), done(&waiting));
+        goes_on(&busy, busy_before);
+        assert!(busy_before.has_gone_on(done(&busy)));
+        assert!(!waiting_before.has_gone_on(done(&waiting)));
+        assert!(!busy_before.has_gone_on(done(&waiting)), "another process");
+    }
 }

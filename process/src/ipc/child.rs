@@ -17,20 +17,35 @@ pub fn doom(pid: u32, doom: Doom) -> std::io::Result<()> {
     Ok(kill_process(pid, signal)?)
 }
 
+/// A field of what the operating system says of a process, by its number in proc_pid_stat(5), from 3 on.
+fn field(pid: u32, number: usize) -> Option<String> {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // The name before them may hold anything.
+    text.rsplit_once(')')?.1.split_whitespace().nth(number - 3).map(String::from)
+}
+
+fn number(pid: u32, field: usize) -> Option<u64> {
+    self::field(pid, field)?.parse().ok()
+}
+
 /// Time for which a process has used a processor so far, in the ticks of the operating system.
 pub fn used(pid: u32) -> Option<u64> {
-    let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // Behind the name, which may hold anything: the state is field 3, these are 14 and 15.
-    let fields = text.rsplit_once(')')?.1;
-    let ticks = |field: usize| fields.split_whitespace().nth(field - 3)?.parse::<u64>().ok();
-    Some(ticks(14)? + ticks(15)?)
+    Some(number(pid, 14)? + number(pid, 15)?)
+}
+
+/// Pages that a process had to wait for so far, because they were on a disk.
+pub fn waited_for_pages(pid: u32) -> Option<u64> {
+    number(pid, 12)
+}
+
+/// Whether a process waits for a device, such as a disk: no signal ends it before that answers.
+pub fn waits_for_device(pid: u32) -> bool {
+    field(pid, 3).as_deref() == Some("D")
 }
 
 /// Whether a process is stopped by a signal, or by a debugger.
 pub fn is_stopped(pid: u32) -> bool {
-    let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
-    let state = text.rsplit_once(')').and_then(|(_, fields)| fields.split_whitespace().next());
-    matches!(state, Some("T" | "t"))
+    matches!(field(pid, 3).as_deref(), Some("T" | "t"))
 }
 
 /// Signals that end a process: number, name, what they are in words.
