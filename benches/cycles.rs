@@ -95,7 +95,7 @@ fn plant(criterion: &mut Criterion) {
 fn soaked(criterion: &mut Criterion) {
     let machine = Machine::plain();
     let items = items(&machine, PROGRAMS[0]);
-    let soak = || soak::driver::soak(SEEDS, 1, &|_, _| true).cycles;
+    let soak = || soak::driver::soak(SEEDS, 1, &|_, _, _| true).cycles;
     let mut group = criterion.benchmark_group("a core");
     group.sample_size(10);
     for turn in 1..=2 {

@@ -90,6 +90,9 @@ pub(crate) enum Command {
     /// Try to break the machine: random programs, machines and faults, judged by the truth.
     #[command(after_help = crate::soak::HELP)]
     Soak(crate::soak::SoakArgs),
+    /// Make one command with many seeds and values, on all processors or by a scheduler, and one table of it.
+    #[command(after_help = crate::campaign::HELP)]
+    Campaign(crate::campaign::CampaignArgs),
     /// Write a program that cuts a standard thread, from its name; or print its limits.
     #[command(after_help = crate::thread::HELP)]
     Thread(crate::thread::ThreadArgs),
@@ -161,6 +164,7 @@ impl Command {
             Command::Tune(args) => args.json,
             Command::Resolution(args) => args.json,
             Command::Soak(args) => args.json,
+            Command::Campaign(args) => args.json,
             Command::Thread(args) => args.json,
             Command::PickUp(args) => args.json,
             Command::Doctor(args) => args.json,

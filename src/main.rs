@@ -1,6 +1,7 @@
 //! `pitchlock`: the launcher and command line. One binary that can be every process of the machine.
 
 mod args;
+mod campaign;
 mod canon;
 mod certificate;
 mod changes;
@@ -64,6 +65,7 @@ fn main() -> ExitCode {
 
 fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
     let quiet = cli.log.quiet;
+    process::ipc::end_with_starter()?;
     match &cli.command {
         Command::Run(args) => match (&args.far.at, &args.far.key) {
             (Some(at), Some(key)) => run::hosts::run_at(args, (at, key), quiet),
@@ -90,6 +92,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, CliError> {
         Command::Tune(args) => tune::tune(args, quiet),
         Command::Resolution(args) => resolution::resolution(args, quiet),
         Command::Soak(args) => soak::soak(args, quiet),
+        Command::Campaign(args) => campaign::campaign(args, quiet),
         Command::Thread(args) => thread::thread(args, quiet),
         Command::PickUp(args) => pickup::command(args),
         Command::Doctor(args) => doctor::doctor(args),

@@ -15,7 +15,7 @@ use std::{
 };
 
 use ::soak::{
-    driver::{self, Failed, Report},
+    driver::{self, Failed, Report, Seen},
     shrink,
 };
 use clap::Args;
@@ -31,7 +31,8 @@ use crate::{
 pub(crate) const HELP: &str = "Examples:
   pitchlock soak --seeds 0..2000
   pitchlock soak --seeds 1234..1235 --out broken     one seed, and its smallest case as files
-  pitchlock soak --seeds 0..100000 --json > soak.json";
+  pitchlock soak --seeds 0..100000 --json > soak.json
+On several computers, and what came of every seed as a table: pitchlock campaign --help";
 
 /// Cases that are made smaller, at most: each takes some dozen runs.
 const MOST_SHRUNK: usize = 20;
@@ -41,11 +42,14 @@ const EVERY: u64 = 500;
 #[derive(Clone, Debug, Args)]
 pub(crate) struct SoakArgs {
     /// The seeds: the first, and the one behind the last.
-    #[arg(long, value_name = "A..B", value_parser = seeds)]
+    #[arg(long, value_name = "A..B", value_parser = campaign::plan::seeds)]
     pub(crate) seeds: Range<u64>,
     /// Print one JSON document and nothing else.
     #[arg(long)]
     pub(crate) json: bool,
+    /// In that document also what came of each seed: `rows`.
+    #[arg(long, requires = "json")]
+    pub(crate) each: bool,
     /// Threads; without it one for each processor.
     #[arg(long, value_name = "N", value_parser = jobs)]
     pub(crate) jobs: Option<usize>,
@@ -54,18 +58,7 @@ pub(crate) struct SoakArgs {
     pub(crate) out: Option<PathBuf>,
 }
 
-fn seeds(text: &str) -> Result<Range<u64>, String> {
-    let number = |text: &str| text.trim().replace('_', "").parse::<u64>().ok();
-    let both = text.split_once("..").and_then(|(from, to)| Some(number(from)?..number(to)?));
-    let range = both.ok_or("write the first seed and the one behind the last, such as 0..2000")?;
-    if range.is_empty() {
-        Err(format!("{text} holds no seed: write it as {0}..{1}", range.start, range.start + 1))
-    } else {
-        Ok(range)
-    }
-}
-
-fn jobs(text: &str) -> Result<usize, String> {
+pub(crate) fn jobs(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|jobs| *jobs > 0).ok_or_else(|| "threads, 1 or more".into())
 }
 
@@ -88,7 +81,11 @@ pub(crate) fn soak(args: &SoakArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let told = AtomicU64::new(0);
     let terminal = std::io::stderr().is_terminal();
     let interrupts = Mutex::new(Interrupts::catch()?);
-    let progress = |done: u64, failed: u64| {
+    let rows = Mutex::new(args.each.then(Vec::new));
+    let progress = |seen: Seen, done: u64, failed: u64| {
+        if let Ok(Some(rows)) = rows.lock().as_deref_mut() {
+            rows.push(seen);
+        }
         let every = if terminal { all.div_ceil(500) } else { EVERY };
         if !quiet
             && (done.is_multiple_of(every.max(1)) || done == all)
@@ -111,7 +108,8 @@ pub(crate) fn soak(args: &SoakArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let found = found.collect::<Result<Vec<_>, CliError>>()?;
     let per_core = report.cycles as f64 / wall_s / jobs as f64;
     if args.json {
-        let text = serde_json::to_string_pretty(&document(&report, &found, per_core));
+        let rows = rows.into_inner().unwrap_or_default();
+        let text = serde_json::to_string_pretty(&document(&report, &found, rows, per_core));
         screen::print(&format!("{}\n", text.map_err(|error| CliError::Machine(error.to_string()))?));
     } else {
         screen::print(&page(&report, &found, wall_s, per_core));
@@ -148,7 +146,8 @@ fn write(case: &::soak::case::Case, folder: &Path) -> Result<PathBuf, CliError> 
     Ok(folder.to_path_buf())
 }
 
-fn document(report: &Report, found: &[Found], per_core: f64) -> serde_json::Value {
+/// `rows` are of the seeds in whatever order they were done.
+fn document(report: &Report, found: &[Found], rows: Option<Vec<Seen>>, per_core: f64) -> serde_json::Value {
     let failed = found.iter().map(|found| {
         let broken = &found.failed.broken;
         let smallest = found.smallest.as_ref().map(|(case, broken)| {
@@ -165,7 +164,7 @@ fn document(report: &Report, found: &[Found], per_core: f64) -> serde_json::Valu
             "folder": found.folder,
         })
     });
-    json!({
+    let mut document = json!({
         "seeds": report.seeds,
         "failed": failed.collect::<Vec<_>>(),
         "drawn": report.drawn,
@@ -173,7 +172,12 @@ fn document(report: &Report, found: &[Found], per_core: f64) -> serde_json::Valu
         "slowest_cycles": report.slowest,
         "cycles": report.cycles,
         "cycles_per_s_per_core": per_core.round(),
-    })
+    });
+    if let Some(mut rows) = rows {
+        rows.sort_by_key(|seen| seen.seed);
+        document["rows"] = json!(rows);
+    }
+    document
 }
 
 fn page(report: &Report, found: &[Found], wall_s: f64, per_core: f64) -> String {

@@ -9,6 +9,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use machine::Machine;
 use rig::wires::Wires;
 
+use serde::Serialize;
+
 use crate::case::{Case, Ready};
 use crate::draw;
 use crate::judge::Broken;
@@ -23,6 +25,54 @@ pub struct Failed {
     pub broken: Broken,
     /// The case.
     pub case: Case,
+}
+
+/// What one seed came to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Seen {
+    /// The seed.
+    pub seed: u64,
+    /// What was drawn: kinds of program and events.
+    pub drawn: Vec<&'static str>,
+    /// How its last run ended; nothing if a module panicked.
+    pub ended: Option<String>,
+    /// The first fault of that run.
+    pub fault: Option<String>,
+    /// The first invariant that was broken,
+    pub invariant: Option<&'static str>,
+    /// in which cycle,
+    pub broken_cycle: Option<u64>,
+    /// and in words.
+    pub broken: Option<String>,
+    /// Control cycles of its runs.
+    pub cycles: u64,
+    /// From the only event to the first word about it, control cycles.
+    pub first_word_cycles: Option<u64>,
+}
+
+impl Seen {
+    fn of(seed: u64, case: &Case, ran: &Ran) -> Seen {
+        let events = case.events.iter().map(|event| event.what.kind());
+        let only = case.events.len() == 1;
+        Seen {
+            ended: Some(format!("{:?}", ran.observation.outcome).to_lowercase()),
+            fault: ran.observation.faults.first().map(|fault| fault.code.clone()),
+            cycles: ran.cycles,
+            first_word_cycles: ran.reacted_after.filter(|_| only),
+            ..Seen::broke(seed, ran.broken.as_ref(), case.kinds.iter().copied().chain(events).collect())
+        }
+    }
+
+    fn broke(seed: u64, broken: Option<&Broken>, drawn: Vec<&'static str>) -> Seen {
+        Seen {
+            seed,
+            drawn,
+            invariant: broken.map(|broken| broken.invariant),
+            broken_cycle: broken.map(|broken| broken.cycle),
+            broken: broken.map(|broken| broken.text.clone()),
+            ..Seen::default()
+        }
+    }
 }
 
 /// What many seeds came to.
@@ -55,18 +105,20 @@ impl Report {
         }
     }
 
-    /// Takes what came of a seed, if no module panicked; whether it failed.
-    fn seed(&mut self, seed: u64, ran: Option<(Case, Ran)>) -> bool {
+    /// Takes what came of a seed, if no module panicked; says it.
+    fn seed(&mut self, seed: u64, ran: Option<(Case, Ran)>) -> Seen {
         self.seeds += 1;
         let Some((case, ran)) = ran else {
-            self.failed.push(panicked(seed));
-            return true;
+            let failed = panicked(seed);
+            let seen = Seen::broke(seed, Some(&failed.broken), failed.case.kinds.clone());
+            self.failed.push(failed);
+            return seen;
         };
         self.cycles += ran.cycles;
         self.take(&case, &ran);
-        let failed = ran.broken.map(|broken| Failed { seed, broken, case });
-        self.failed.extend(failed.clone());
-        failed.is_some()
+        let seen = Seen::of(seed, &case, &ran);
+        self.failed.extend(ran.broken.map(|broken| Failed { seed, broken, case }));
+        seen
     }
 
     fn take(&mut self, case: &Case, ran: &Ran) {
@@ -130,9 +182,11 @@ fn panicked(seed: u64) -> Failed {
     Failed { seed, broken: Broken::new("panic", 0, "a module panics; the message is above".into()), case }
 }
 
-/// Runs seeds on so many threads. `progress` hears of every seed, how many are done and how many failed, and
-/// says whether to go on.
-pub fn soak(seeds: Range<u64>, jobs: usize, progress: &(dyn Fn(u64, u64) -> bool + Sync)) -> Report {
+/// Who hears of every seed as it is done, how many are done and how many failed, and says whether to go on.
+pub type Progress<'a> = &'a (dyn Fn(Seen, u64, u64) -> bool + Sync);
+
+/// Runs seeds on so many threads.
+pub fn soak(seeds: Range<u64>, jobs: usize, progress: Progress) -> Report {
     let (next, done, broken) = (AtomicU64::new(seeds.start), AtomicU64::new(0), AtomicU64::new(0));
     let whole = Mutex::new(Report::default());
     let work = || {
@@ -142,9 +196,9 @@ pub fn soak(seeds: Range<u64>, jobs: usize, progress: &(dyn Fn(u64, u64) -> bool
             if seed >= seeds.end {
                 break;
             }
-            let failed = report.seed(seed, caught(seed));
-            broken.fetch_add(u64::from(failed), Ordering::Relaxed);
-            if !progress(done.fetch_add(1, Ordering::Relaxed) + 1, broken.load(Ordering::Relaxed)) {
+            let seen = report.seed(seed, caught(seed));
+            broken.fetch_add(u64::from(seen.invariant.is_some()), Ordering::Relaxed);
+            if !progress(seen, done.fetch_add(1, Ordering::Relaxed) + 1, broken.load(Ordering::Relaxed)) {
                 next.store(seeds.end, Ordering::Relaxed);
             }
         }

@@ -6,6 +6,7 @@ mod shop;
 
 mod always_true;
 mod bounds;
+mod campaign;
 mod canon;
 mod certify;
 mod check;

@@ -7,7 +7,7 @@ use soak::driver;
 fn no_seed_breaks_an_invariant() {
     let seeds = testing::count("PITCHLOCK_SOAK", 2000);
     let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-    let report = driver::soak(0..seeds, jobs, &|_, _| true);
+    let report = driver::soak(0..seeds, jobs, &|_, _, _| true);
     let failed = report.failed.iter().map(|failed| {
         let (seed, broken) = (failed.seed, &failed.broken);
         format!("{} ({}), again: pitchlock soak --seeds {seed}..{}", broken.invariant, broken.text, seed + 1)

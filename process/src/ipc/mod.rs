@@ -57,7 +57,7 @@ pub use count::{ChannelCount, of_the_living, total};
 pub use layout::{Host, Layout, hosts};
 pub use member::Member;
 pub use name_space::NameSpace;
-pub use orphan::is_orphan;
+pub use orphan::{ENDS_WITH, end_with_starter, is_orphan};
 pub use port::{Patience, Port, Receiver, Sender, Undelivered};
 pub use process::Process;
 pub use wake::Waker;

@@ -40,6 +40,27 @@ pub(crate) fn watch_for(owner: i32) -> Result<(), IpcError> {
     Ok(())
 }
 
+/// In the environment of a process that is nothing without the one that started it: that one's number.
+pub const ENDS_WITH: &str = "PITCHLOCK_ENDS_WITH";
+
+/// Ends this process at once when the one of [`ENDS_WITH`] ends, in whatever way; does nothing without it.
+///
+/// # Errors
+/// That one has ended already, or the system refuses.
+pub fn end_with_starter() -> Result<(), IpcError> {
+    let named = std::env::var(ENDS_WITH).ok().and_then(|owner| Pid::from_raw(owner.parse().ok()?));
+    let Some(owner) = named else { return Ok(()) };
+    let system = |source: rustix::io::Errno| IpcError::System {
+        what: "tying this process to its starter",
+        source: source.into(),
+    };
+    set_parent_process_death_signal(Some(Signal::KILL)).map_err(system)?;
+    if getppid() != Some(owner) {
+        return Err(IpcError::Orphaned { owner: owner.as_raw_pid() });
+    }
+    Ok(())
+}
+
 /// Whether the launcher has gone. Costs nothing while it has not.
 pub fn is_orphan() -> bool {
     let called = CALLED.get().is_some_and(|called| called.load(Ordering::Relaxed));

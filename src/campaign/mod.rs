@@ -1,0 +1,190 @@
+//! `pitchlock campaign FILE`: one command over many seeds and values, on all processors or by a scheduler. In:
+//! a campaign file. Out: a folder with a file for each job, and one table of all rows.
+
+mod make;
+mod script;
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    process::ExitCode,
+    sync::{
+        Mutex,
+        atomic::{AtomicU64, AtomicUsize, Ordering},
+    },
+};
+
+use ::campaign::{CampaignError, folder::Folder, plan::Plan, rows::Row, table};
+use clap::Args;
+use serde_json::{Value, json};
+
+use crate::{error::CliError, run::interrupts::Interrupts, screen, words, written};
+
+pub(crate) const HELP: &str = "A campaign file:
+  command = [\"run\", \"examples/m20x2.ngc\", \"--seed\", \"{seed}\"]     or soak, experiment, tune
+  seeds = \"1..11\"                          the first, and the one behind the last
+  machine = \"lathe.toml\"                   without it the built-in small lathe
+  [vary]
+  \"axis.x.mass_kg\" = [1800, 1905, 2000]    a key of the machine file, or {name} in the command
+
+Examples:
+  pitchlock campaign mass.toml                      every job on all processors, then the table
+  pitchlock campaign mass.toml --slurm | sbatch     the same on a cluster
+  pitchlock campaign mass.toml --merge              the table of what a scheduler has made
+
+What is broken off is gone on with by the same command. docs/campaigns.md has more.";
+
+#[derive(Clone, Debug, Args)]
+pub(crate) struct CampaignArgs {
+    /// Campaign file (TOML).
+    file: PathBuf,
+    /// Its folder, which all computers see [default: `campaigns/NAME`].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Jobs at the same time; without it one for each processor.
+    #[arg(long, value_name = "N", value_parser = crate::soak::jobs)]
+    jobs: Option<usize>,
+    /// Make this job and no other, as a scheduler asks.
+    #[arg(long, value_name = "N", group = "part")]
+    job: Option<u64>,
+    /// Make no job: the table of those that are done, if all are.
+    #[arg(long, group = "part")]
+    merge: bool,
+    /// Make no job: print an array of Slurm for the jobs that are not done.
+    #[arg(long, group = "part")]
+    slurm: bool,
+    /// Print one JSON document and nothing else.
+    #[arg(long, conflicts_with = "slurm")]
+    pub(crate) json: bool,
+}
+
+impl From<CampaignError> for CliError {
+    fn from(error: CampaignError) -> Self {
+        match error {
+            CampaignError::Input(_) | CampaignError::Stale(_) => CliError::Input(error.to_string()),
+            CampaignError::File { .. } | CampaignError::Table(_) => CliError::Machine(error.to_string()),
+        }
+    }
+}
+
+/// Makes what is asked for of a campaign; 1 if it is not complete.
+pub(crate) fn campaign(args: &CampaignArgs, quiet: bool) -> Result<ExitCode, CliError> {
+    let text =
+        intake::text(&args.file, intake::SETTINGS).map_err(|error| CliError::file(&args.file, error))?;
+    let plan = Plan::read(&args.file.display().to_string(), &text)?;
+    let name = args.file.file_stem().unwrap_or(args.file.as_os_str());
+    let root = args.out.clone().unwrap_or_else(|| Path::new("campaigns").join(name));
+    let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
+    let folder = Folder::open(plan, &root, &this)?;
+    if let Some(job) = args.job {
+        let jobs = folder.plan.jobs();
+        if job >= jobs {
+            let text = format!("--job {job}: this campaign has the jobs 0 to {}", jobs.saturating_sub(1));
+            return Err(CliError::Input(text));
+        }
+    }
+    let missing = folder.missing()?;
+    if args.slurm {
+        screen::print(&script::script(args, &root, &missing)?);
+        return Ok(ExitCode::SUCCESS);
+    }
+    match args.job {
+        Some(job) if missing.contains(&job) => all(&folder, &[job], 1, true)?,
+        // It was made before: looked at, because what is there may be of something else.
+        Some(job) => drop(folder.rows(job)?),
+        None if args.merge => {}
+        None => {
+            let jobs =
+                args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+            all(&folder, &missing, jobs, quiet)?;
+        }
+    }
+    if let Some(job) = args.job {
+        if args.json {
+            screen::print(&format!("{}\n", json!({ "job": job })));
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    merge(&folder, args)
+}
+
+/// Makes jobs, so many at the same time.
+fn all(folder: &Folder, jobs: &[u64], at_once: usize, quiet: bool) -> Result<(), CliError> {
+    let interrupts = Interrupts::catch()?;
+    let stop = interrupts.asked();
+    let (next, done) = (AtomicUsize::new(0), AtomicU64::new(0));
+    let failed = Mutex::new(None);
+    let shows = !quiet && words::show_bar(jobs.len() as u64);
+    let work = || {
+        while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+            if let Err(error) = make::job(folder, *job, stop) {
+                // The others end, too: what is wrong is told before more is made.
+                stop.store(true, Ordering::Relaxed);
+                if let Ok(mut failed) = failed.lock() {
+                    failed.get_or_insert(error);
+                }
+                return;
+            }
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            let told = format!("{done} of {} jobs", jobs.len());
+            if shows {
+                words::step(done, told);
+            } else if !quiet {
+                words::say(&format!("{told}\n"));
+            }
+        }
+    };
+    std::thread::scope(|scope| (0..at_once.min(jobs.len())).for_each(|_| drop(scope.spawn(work))));
+    if shows {
+        words::hide_bar();
+    }
+    interrupts.let_go();
+    failed.into_inner().unwrap_or_default().map_or(Ok(()), Err)
+}
+
+/// The table, and what is said of it.
+fn merge(folder: &Folder, args: &CampaignArgs) -> Result<ExitCode, CliError> {
+    let missing = folder.missing()?;
+    let jobs = folder.plan.jobs();
+    if let Some(first) = missing.first() {
+        let file = args.file.display();
+        return Err(CliError::Machine(format!(
+            "{} of {jobs} jobs are not done, job {first} first: `pitchlock campaign {file}` makes them here, \
+             `--slurm` prints an array for a cluster",
+            missing.len()
+        )));
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for job in 0..jobs {
+        rows.extend(folder.rows(job)?);
+    }
+    let place = folder.table();
+    written::by_parts(&place, |file| {
+        table::write(&rows, &folder.plan.columns(), file)
+            .map_err(|error| CliError::from(CampaignError::from(error)))
+    })?;
+    // Whoever made a job has taken its own away, unless it was killed.
+    let _ = std::fs::remove_dir_all(folder.scratch());
+    let mut statuses: BTreeMap<i64, (u64, &Row)> = BTreeMap::new();
+    for row in &rows {
+        let status = row.get("status").and_then(Value::as_i64).unwrap_or_default();
+        statuses.entry(status).or_insert((0, row)).0 += 1;
+    }
+    let refused = |count: &(u64, &Row)| count.0 == rows.len() as u64;
+    let nothing = statuses.get(&2).is_some_and(refused);
+    if args.json {
+        let counts: BTreeMap<String, u64> =
+            statuses.iter().map(|(status, (count, _))| (status.to_string(), *count)).collect();
+        let document = json!({ "jobs": jobs, "rows": rows.len(), "status": counts, "table": place });
+        screen::print(&format!("{document}\n"));
+    } else {
+        screen::print(&format!("{} rows of {jobs} jobs  {}\n", rows.len(), place.display()));
+        statuses.iter().filter(|(status, _)| **status != 0).for_each(|(status, (count, row))| {
+            let of = |key: &str| row.get(key).and_then(Value::as_str).unwrap_or_default();
+            screen::print(&format!("{count} with status {status}, such as: {}\n", of("command")));
+            let why: String = of("error").lines().map(|line| format!("  {line}\n")).collect();
+            screen::print(&why);
+        });
+    }
+    Ok(if nothing { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}

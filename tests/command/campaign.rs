@@ -1,0 +1,434 @@
+//! `pitchlock campaign`: one table however it is made, whoever is killed meanwhile; what is of something else
+//! is refused; a row says what makes it again.
+
+use std::fs;
+use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
+use std::process::{Child, Command, Stdio};
+
+use parquet::file::reader::SerializedFileReader;
+use parquet::record::Field;
+use process::ipc::time::Moment;
+
+use crate::shop::{Place, example, project, signal, until, wait_s};
+
+/// A soak of so many seeds, four a job.
+fn soak(seeds: u64) -> String {
+    format!("command = [\"soak\", \"--seeds\", \"{{seeds}}\"]\nseeds = \"0..{seeds}\"\nper_job = 4\n")
+}
+
+/// The bytes of the table in a folder.
+fn table(place: &Place, folder: &str) -> Vec<u8> {
+    fs::read(place.at(folder).join("campaign.parquet")).expect("a table")
+}
+
+/// Makes a whole campaign; what it printed.
+fn made(place: &Place, arguments: &[&str]) -> String {
+    let answer = place.ask(&[&["campaign"], arguments].concat());
+    assert_eq!(answer.status, Some(0), "{arguments:?}: {}", answer.stderr);
+    answer.stdout
+}
+
+/// Rows of a table: names and values.
+fn rows(place: &Place, folder: &str) -> Vec<Vec<(String, Field)>> {
+    let file = fs::File::open(place.at(folder).join("campaign.parquet")).expect("a table");
+    let reader = SerializedFileReader::new(file).expect("a Parquet file");
+    let row = |row: parquet::record::Row| {
+        row.get_column_iter().map(|(name, field)| (name.clone(), field.clone())).collect()
+    };
+    reader.into_iter().map(|read| row(read.expect("a row"))).collect()
+}
+
+fn field<'a>(row: &'a [(String, Field)], name: &str) -> &'a Field {
+    &row.iter().find(|(other, _)| other == name).unwrap_or_else(|| panic!("no column {name}: {row:?}")).1
+}
+
+fn text(row: &[(String, Field)], name: &str) -> String {
+    match field(row, name) {
+        Field::Str(text) => text.clone(),
+        other => panic!("{name} is {other}"),
+    }
+}
+
+/// Starts a part of a campaign and leaves it alone.
+fn started(place: &Place, arguments: &[&str]) -> Child {
+    let mut command = place.pitchlock();
+    command
+        .arg("campaign")
+        .args(arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("it starts")
+}
+
+/// The processes that somebody with this number has started, in whatever thread.
+fn started_by(pid: u32) -> Vec<u32> {
+    let threads = fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
+    let of = |thread: fs::DirEntry| fs::read_to_string(thread.path().join("children")).unwrap_or_default();
+    threads
+        .map(of)
+        .flat_map(|all| all.split_whitespace().filter_map(|pid| pid.parse().ok()).collect::<Vec<_>>())
+        .collect()
+}
+
+#[test]
+fn the_table_is_the_same_however_its_jobs_are_made() {
+    let place = Place::new();
+    place.write("seeds.toml", soak(24));
+    let said = made(&place, &["seeds.toml", "--out", "whole"]);
+    assert!(said.contains("24 rows of 6 jobs"), "{said}");
+    // By hand: another order, one of them twice, with a folder of its own.
+    for job in ["5", "0", "3", "1", "0", "4"] {
+        made(&place, &["seeds.toml", "--out", "parts", "--job", job]);
+    }
+    let early = place.ask(&["campaign", "seeds.toml", "--out", "parts", "--merge"]);
+    assert_eq!(early.status, Some(1), "{}", early.stdout);
+    assert!(early.stderr.contains("1 of 6 jobs are not done, job 2 first"), "{}", early.stderr);
+    made(&place, &["seeds.toml", "--out", "parts", "--job", "2"]);
+    made(&place, &["seeds.toml", "--out", "parts", "--merge"]);
+    assert_eq!(table(&place, "parts"), table(&place, "whole"));
+    let seeds: Vec<Field> = rows(&place, "parts").iter().map(|row| field(row, "seed").clone()).collect();
+    assert_eq!(seeds, (0..24).map(Field::Long).collect::<Vec<_>>());
+    assert!(!place.at("parts/scratch").exists());
+}
+
+#[test]
+fn who_is_killed_leaves_nobody_behind_and_nothing_half_made() {
+    let place = Place::new();
+    place.write("seeds.toml", soak(24));
+    made(&place, &["seeds.toml", "--out", "whole"]);
+    let jobs = place.at("cut/jobs");
+    let there = || fs::read_dir(&jobs).map_or(0, |entries| entries.flatten().count());
+    for (many, how) in [(0, "KILL"), (1, "INT"), (2, "KILL"), (3, "TERM")] {
+        let mut campaign = started(&place, &["seeds.toml", "--out", "cut", "--jobs", "2"]);
+        until("jobs are made", || there() >= many && !started_by(campaign.id()).is_empty());
+        let commands = started_by(campaign.id());
+        signal(campaign.id(), how);
+        let ended = campaign.wait().expect("it was started here");
+        assert_ne!(ended.code(), Some(0), "{how}");
+        for command in commands {
+            until("its commands end, too", || !fs::exists(format!("/proc/{command}")).unwrap_or(false));
+        }
+        for entry in fs::read_dir(&jobs).into_iter().flatten().flatten() {
+            let text = fs::read_to_string(entry.path()).expect("a file");
+            let name = entry.file_name().into_string().expect("a name");
+            assert!(
+                !name.ends_with(".json") || serde_json::from_str::<serde_json::Value>(&text).is_ok(),
+                "{name}"
+            );
+        }
+    }
+    made(&place, &["seeds.toml", "--out", "cut"]);
+    assert_eq!(table(&place, "cut"), table(&place, "whole"));
+}
+
+#[test]
+fn what_was_made_of_something_else_is_refused() {
+    let place = Place::new();
+    place.write("seeds.toml", soak(8));
+    made(&place, &["seeds.toml", "--out", "made"]);
+    let whole = fs::read_to_string(place.at("made/jobs/00001.json")).expect("a job");
+    let refused = |text: &str, says: &str| {
+        place.write("made/jobs/00001.json", text);
+        for part in [vec!["--merge"], vec!["--job", "1"], vec![]] {
+            let answer = place.ask(&[&["campaign", "seeds.toml", "--out", "made"], part.as_slice()].concat());
+            assert_eq!(answer.status, Some(2), "{says} {part:?}: {}", answer.stdout);
+            assert!(
+                answer.stderr.contains(says) && answer.stderr.contains("00001.json"),
+                "{says}: {}",
+                answer.stderr
+            );
+        }
+    };
+    refused(&whole[..whole.len() / 2], "is not what a job leaves");
+    refused("", "is not what a job leaves");
+    refused(&whole.replace("\"job\":1,\"rows\"", "\"job\":0,\"rows\""), "is of job 0");
+    refused(&whole.replacen("\"made_of\":\"", "\"made_of\":\"0", 1), "was made of another campaign file");
+    place.write("made/jobs/00001.json", &whole);
+    made(&place, &["seeds.toml", "--out", "made", "--merge"]);
+    place.write("seeds.toml", soak(8) + "# another word\n");
+    let other = place.ask(&["campaign", "seeds.toml", "--out", "made", "--merge"]);
+    assert_eq!(other.status, Some(2), "{}", other.stdout);
+    assert!(other.stderr.contains("name a new folder with --out"), "{}", other.stderr);
+}
+
+#[test]
+fn every_value_has_its_rows_and_each_row_what_makes_it_again() {
+    let place = Place::new();
+    fs::copy(example("m20x2.ngc"), place.at("part.ngc")).expect("a program");
+    let file = "command = [\"run\", \"part.ngc\", \"--seed\", \"{seed}\", \"--gauge\", \"{thread}\"]\nseeds = \"3..5\"\nper_job = 3\n\
+                [vary]\n\"axis.x.mass_kg\" = [1700, 2000]\nthread = [\"M20x2-6g\", \"M20x2-4h\"]\n";
+    place.write("mass.toml", file);
+    made(&place, &["mass.toml", "--jobs", "2"]);
+    let rows = rows(&place, "campaigns/mass");
+    let passes = rows.iter().filter(|row| *field(row, "job") == Field::Long(0)).count();
+    assert_eq!(rows.len(), 8 * passes / 3, "eight runs, three of them in a job");
+    let again = |row: &[(String, Field)]| {
+        let command = text(row, "command");
+        let words: Vec<&str> = command.split_whitespace().skip(1).collect();
+        let out = place.at("again");
+        place.clear("again");
+        let mut command = place.pitchlock();
+        fs::copy(place.at("part.ngc"), place.at("campaigns/mass/part.ngc")).expect("a program");
+        command
+            .current_dir(place.at("campaigns/mass"))
+            .args(words)
+            .args(["--json", "--trace", "none", "--out"])
+            .arg(&out);
+        let output = command.output().expect("it runs");
+        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a summary");
+        assert_eq!(summary["trace_hash"], text(row, "trace_hash"), "{row:?}");
+        let status = output.status.code().map(i64::from);
+        assert_eq!(status.map(Field::Long).as_ref(), Some(field(row, "status")));
+    };
+    again(&rows[0]);
+    again(&rows[rows.len() - 1]);
+    let hashes: std::collections::BTreeSet<String> = rows.iter().map(|row| text(row, "trace_hash")).collect();
+    assert_eq!(hashes.len(), 4, "two masses, two seeds; the gauge moves nothing");
+    let mut drawn: Vec<(String, String)> =
+        rows.iter().map(|row| (field(row, "axis.x.mass_kg").to_string(), text(row, "thread"))).collect();
+    drawn.dedup();
+    assert_eq!(drawn.len(), 4, "{drawn:?}");
+}
+
+#[test]
+fn what_is_refused_is_a_row_with_its_reason() {
+    let place = Place::new();
+    place.write("part.ngc", "G21 G90\nG1 X5 F100\nM2\n");
+    place.write(
+        "feeds.toml",
+        "command = [\"run\", \"{program}\"]\n[vary]\nprogram = [\"part.ngc\", \"none.ngc\"]\n",
+    );
+    let said = made(&place, &["feeds.toml"]);
+    assert!(
+        said.contains("2 rows of 2 jobs")
+            && said.contains("1 with status 2, such as: pitchlock run none.ngc"),
+        "{said}"
+    );
+    let rows = rows(&place, "campaigns/feeds");
+    assert!(text(&rows[1], "error").contains("none.ngc"), "{rows:?}");
+    assert_eq!(field(&rows[0], "error"), &Field::Null);
+    place.write("feeds.toml", "command = [\"run\", \"none.ngc\"]\n");
+    let none = place.ask(&["campaign", "feeds.toml", "--out", "none"]);
+    assert_eq!(none.status, Some(1), "a campaign of nothing but refusals is none: {}", none.stdout);
+}
+
+#[test]
+fn a_wrong_file_is_told_before_anything_is_made() {
+    let place = Place::new();
+    let soak = "command = [\"soak\", \"--seeds\", \"{seeds}\"]\n";
+    let run = "command = [\"run\", \"part.ngc\"]\n";
+    let wrong = [
+        ("", "command"),
+        ("command = []\n", "begin with one of soak, experiment, tune, run"),
+        ("command = [\"panel\"]\n", "\"panel\" cannot be made many times"),
+        (soak, "seeds is missing"),
+        ("command = [\"soak\", \"--seeds\", \"0..9\"]\n", "soak takes seeds"),
+        (&format!("{soak}seeds = \"9..3\"\n"), "seeds: 9..3 holds no seed"),
+        (&format!("{soak}seeds = \"many\"\n"), "such as 0..2000"),
+        (&format!("{soak}seeds = \"0..20\"\nper_job = 0\n"), "per_job: 1 or more"),
+        (&format!("{soak}seeds = \"0..20\"\nper_jobs = 3\n"), "per_jobs"),
+        (&format!("{soak}seeds = \"0..90000000000\"\n"), "more than 1000000 runs"),
+        (&format!("{soak}seeds = \"0..20\"\nmachine = \"a.toml\"\n"), "soak draws its machines itself"),
+        (&format!("{run}seeds = \"0..20\"\n"), "no word of the command has {seed}"),
+        ("command = [\"run\", \"{seed}{seeds}\"]\nseeds = \"0..2\"\n", "keep one of them"),
+        ("command = [\"run\", \"{part}\"]\n", "{part} has no values"),
+        ("command = [\"run\", \"a.ngc\", \"--json\"]\n", "a campaign says --json itself"),
+        ("command = [\"run\", \"a.ngc\", \"--machine=m.toml\"]\n", "say the machine file as machine"),
+        (&format!("{run}[vary]\n\"axis.x.mass_kg\" = 3\n"), "a list of values"),
+        (&format!("{run}[vary]\n\"axis.x.mass_kg\" = []\n"), "one or more"),
+        (&format!("{run}[vary]\n\"axis.x.mass_kg\" = [-1]\n"), "no machine with axis.x.mass_kg = -1"),
+        (&format!("{run}[vary]\n\"axis.w.mass_kg\" = [1]\n"), "the machine file has no [axis.w]"),
+        (
+            &format!("{run}[vary]\nmass = [1]\n"),
+            "neither {mass} in the command nor a key of the machine file",
+        ),
+        (&format!("{run}[vary]\n\"job\" = [1]\n"), "a column of that name already"),
+        (&format!("{run}machine = \"none.toml\"\n"), "none.toml"),
+    ];
+    for (text, says) in wrong {
+        place.write("wrong.toml", text);
+        let answer = place.ask(&["campaign", "wrong.toml"]);
+        assert_eq!(answer.status, Some(2), "{text}: {}", answer.stderr);
+        assert!(answer.stderr.contains(says), "{text}: {}", answer.stderr);
+        assert!(!place.at("campaigns/wrong/jobs/00000.json").exists(), "{text}");
+    }
+    place.write("good.toml", self::soak(8));
+    let beyond = place.ask(&["campaign", "good.toml", "--job", "2"]);
+    assert_eq!(
+        (beyond.status, beyond.stderr.contains("the jobs 0 to 1")),
+        (Some(2), true),
+        "{}",
+        beyond.stderr
+    );
+}
+
+#[test]
+fn the_campaigns_of_the_examples_are_some() {
+    let place = Place::new();
+    for file in fs::read_dir(project().join("examples/campaigns")).expect("examples").flatten() {
+        let file = file.path().display().to_string();
+        let answer = place.ask(&["campaign", &file, "--out", "made", "--slurm"]);
+        assert_eq!(answer.status, Some(0), "{file}: {}", answer.stderr);
+        place.clear("made");
+    }
+}
+
+/// Hands a script for a scheduler to the shell, with a scheduler that makes its tasks one by one.
+#[test]
+fn a_script_names_the_jobs_that_are_not_done() {
+    let place = Place::new();
+    place.write("it's.toml", soak(16));
+    made(&place, &["it's.toml", "--job", "1"]);
+    let script = made(&place, &["it's.toml", "--slurm"]);
+    assert!(script.contains("#SBATCH --array=0,2-3\n"), "{script}");
+    let path = place.write("slurm.sh", &script);
+    for task in ["0", "2", "3"] {
+        let ran = Command::new("sh").arg(&path).env("SLURM_ARRAY_TASK_ID", task).output().expect("a shell");
+        assert!(ran.status.success(), "{task}: {}", String::from_utf8_lossy(&ran.stderr));
+    }
+    let done = place.ask(&["campaign", "it's.toml", "--slurm"]);
+    assert_eq!(done.status, Some(1), "{}", done.stdout);
+    assert!(done.stderr.contains("every job is done"), "{}", done.stderr);
+    made(&place, &["it's.toml", "--merge"]);
+}
+
+/// A cluster of two nodes on this computer, of which one is killed in the middle; `PITCHLOCK_CAMPAIGN=2000` has so
+/// many seeds.
+#[test]
+fn a_cluster_loses_a_node_and_no_row() {
+    let Some(cluster) = Cluster::start() else { return };
+    let seeds =
+        std::env::var("PITCHLOCK_CAMPAIGN").map_or(48, |text| text.parse().expect("a number of seeds"));
+    let place = &cluster.place;
+    place.write("seeds.toml", soak(seeds));
+    made(place, &["seeds.toml", "--out", "whole"]);
+    let script = made(place, &["seeds.toml", "--out", "spread", "--slurm"]);
+    place.write("array.sh", script);
+    let submitted = cluster.command("sbatch").arg("array.sh").output().expect("it is there");
+    assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
+    let there =
+        || fs::read_dir(place.at("spread/jobs")).map_or(0, |entries| entries.flatten().count() as u64);
+    until("some jobs are made", || there() >= 3);
+    cluster.kill_node("n1");
+    let mut last = (0, Moment::now());
+    while there() < seeds.div_ceil(4) {
+        if there() > last.0 {
+            last = (there(), Moment::now());
+        }
+        assert!(last.1.elapsed().as_secs() < 300, "no job was made for five minutes: {}", cluster.queue());
+        wait_s(0.1);
+    }
+    until("the array has ended", || cluster.queue().trim().is_empty());
+    made(place, &["seeds.toml", "--out", "spread", "--merge"]);
+    assert_eq!(table(place, "spread"), table(place, "whole"));
+}
+
+/// Slurm on this computer, for an administrator; everything of it lies in one place.
+struct Cluster {
+    place: Place,
+    daemons: Vec<(&'static str, Gone)>,
+}
+
+impl Cluster {
+    /// None where there is no Slurm, or nobody who may start it; which test is left out is said.
+    fn start() -> Option<Cluster> {
+        let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+        let administrator = fs::metadata("/proc/self").is_ok_and(|found| found.uid() == 0);
+        let all = ["munged", "slurmctld", "slurmd", "sbatch"];
+        let has = |program: &&str| Command::new(program).arg("-V").stdout(Stdio::null()).status().is_ok();
+        if !administrator || !all.iter().all(has) {
+            eprintln!(
+                "left out: a campaign on a cluster needs an administrator, Slurm and MUNGE (slurm-wlm)"
+            );
+            return None;
+        }
+        let place = Place::new();
+        let at = place.path().display();
+        // Key and socket of MUNGE are nobody else's business.
+        fs::create_dir(place.at("munge")).expect("a folder");
+        fs::set_permissions(place.path(), fs::Permissions::from_mode(0o755)).expect("it is ours");
+        place.write("munge/key", [7; 1024]);
+        fs::set_permissions(place.at("munge/key"), fs::Permissions::from_mode(0o600)).expect("it is ours");
+        let port = 20_000 + std::process::id() % 20_000;
+        let (control, first, last) = (port, port + 1, port + 2);
+        let name = name.trim();
+        let text = format!(
+            "ClusterName=one\nSlurmctldHost={name}(127.0.0.1)\nSlurmctldPort={control}\nSlurmUser=root\nSlurmdUser=root\n\
+             AuthType=auth/munge\nAuthInfo=socket={at}/munge/socket\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\n\
+             StateSaveLocation={at}/state\nSlurmdSpoolDir={at}/spool-%n\nSlurmctldPidFile={at}/ctld.pid\nSlurmdPidFile={at}/%n.pid\n\
+             SlurmctldLogFile={at}/ctld.log\nSlurmdLogFile={at}/%n.log\nSelectType=select/cons_tres\nSelectTypeParameters=CR_CPU\n\
+             SlurmdTimeout=5\nMpiDefault=none\nNodeName=n[1-2] NodeHostname={name} NodeAddr=127.0.0.1 Port=[{first}-{last}] CPUs=1\n\
+             PartitionName=all Nodes=n[1-2] Default=YES State=UP\n"
+        );
+        place.write("slurm.conf", text);
+        let mut cluster = Cluster { place, daemons: Vec::new() };
+        let munge = |name: &str| cluster.place.at("munge").join(name).display().to_string();
+        let words = [
+            "--foreground".into(),
+            "--force".into(),
+            format!("--key-file={}", munge("key")),
+            format!("--socket={}", munge("socket")),
+            format!("--pid-file={}", munge("pid")),
+            format!("--log-file={}", munge("log")),
+            format!("--seed-file={}", munge("seed")),
+        ];
+        let socket = cluster.place.at("munge/socket");
+        cluster.begin("munged", &words);
+        until("MUNGE is there", || socket.exists());
+        cluster.begin("slurmctld", &["-D".into(), "-c".into()]);
+        cluster.begin("slurmd", &["-D".into(), "-N".into(), "n1".into()]);
+        cluster.begin("slurmd", &["-D".into(), "-N".into(), "n2".into()]);
+        let idle = || cluster.command("sinfo").args(["-h", "-t", "idle", "-o", "%D"]).output();
+        until("two nodes are idle", || idle().is_ok_and(|output| output.stdout.starts_with(b"2")));
+        Some(cluster)
+    }
+
+    fn begin(&mut self, program: &'static str, words: &[String]) {
+        let mut command = self.command(program);
+        command.args(words).stdout(Stdio::null()).stderr(Stdio::null());
+        self.daemons.push((program, Gone(command.spawn().expect("it is there"))));
+    }
+
+    fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        command
+            .current_dir(self.place.path())
+            .env("SLURM_CONF", self.place.at("slurm.conf"))
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// What waits and what runs.
+    fn queue(&self) -> String {
+        let output = self.command("squeue").arg("-h").output().expect("it is there");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    /// Ends a node, and all that runs on it, as a loss of power does.
+    fn kill_node(&self, node: &str) {
+        let (_, Gone(daemon)) =
+            self.daemons.iter().find(|(program, _)| *program == "slurmd").expect("a node");
+        let steps = fs::read_dir("/proc").expect("processes").flatten().filter_map(|entry| {
+            let command = fs::read_to_string(entry.path().join("cmdline")).ok()?;
+            let pid = entry.file_name().to_str()?.parse::<u32>().ok()?;
+            let environment = fs::read_to_string(entry.path().join("environ")).unwrap_or_default();
+            let place = environment.contains(&self.place.path().display().to_string());
+            let of_node = environment.contains(&format!("SLURMD_NODENAME={node}\0"));
+            (command.starts_with("slurmstepd") && started_by(daemon.id()).contains(&pid) || place && of_node)
+                .then_some(pid)
+        });
+        signal(daemon.id(), "KILL");
+        steps.collect::<Vec<_>>().into_iter().for_each(|pid| signal(pid, "KILL"));
+    }
+}
+
+/// A process of a test; dropping it ends it.
+struct Gone(Child);
+
+impl Drop for Gone {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
