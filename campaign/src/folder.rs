@@ -6,8 +6,9 @@
 //! program that made it. What was made of something else is refused and never mixed.
 
 use std::collections::BTreeSet;
-use std::fs;
+use std::fs::{self, Permissions};
 use std::io::{ErrorKind, Write as _};
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,12 @@ use crate::{CampaignError, vary};
 
 /// The table.
 pub const TABLE: &str = "campaign.parquet";
+/// What says which campaign a folder is of.
+const MARK: &str = "made-of";
+const OTHER: &str =
+    "was made of another campaign file, machine or program file, or by another build of pitchlock";
+/// What a file is called until it is whole.
+const NEW: &str = ".new-";
 /// The longest file of a job that is read, bytes.
 const LONGEST: u64 = 1 << 30;
 
@@ -27,6 +34,7 @@ pub struct Folder {
     /// What is asked for.
     pub plan: Plan,
     root: PathBuf,
+    program: PathBuf,
     made_of: String,
 }
 
@@ -45,22 +53,51 @@ impl Folder {
     /// The machine file cannot be read, values make no machine of it, or the folder cannot be written.
     pub fn open(plan: Plan, root: &Path, program: &Path) -> Result<Folder, CampaignError> {
         let machine = plan.machine.as_deref().map(text).transpose()?;
-        let made_of = made_of(&plan, machine.as_deref(), program)?;
-        let folder = Folder { plan, root: root.into(), made_of };
-        for place in [folder.root.join("jobs"), folder.root.join("machines")] {
-            fs::create_dir_all(&place).map_err(CampaignError::file(place))?;
-        }
+        let made_of = made_of(&plan, program)?;
+        let folder = Folder { plan, root: root.into(), program: program.into(), made_of };
         let original = machine.as_deref().unwrap_or(machine::SMALL_LATHE);
         let beside = folder.plan.machine.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = beside.canonicalize().unwrap_or_else(|_| beside.into());
-        for (number, keys) in folder.plan.machines() {
-            let text = vary::machine(original, &beside, &keys).map_err(CampaignError::Input)?;
+        let of = |(number, keys): (u64, Vec<_>)| Ok((number, vary::machine(original, &beside, &keys)?));
+        let machines = folder.plan.machines().into_iter().map(of).collect::<Result<Vec<_>, _>>();
+        let machines = machines.map_err(CampaignError::Input)?;
+        // From here on something is written.
+        folder.is_ours()?;
+        for place in [folder.root.join("jobs"), folder.root.join("machines")] {
+            fs::create_dir_all(&place).map_err(CampaignError::file(place))?;
+        }
+        for (number, text) in machines {
             let place = folder.machine(number);
             if fs::read_to_string(&place).ok().as_ref() != Some(&text) {
                 put(&place, text.as_bytes())?;
             }
         }
         Ok(folder)
+    }
+
+    /// Refuses a folder in which there is something else, before anything is written there.
+    fn is_ours(&self) -> Result<(), CampaignError> {
+        let mark = self.root.join(MARK);
+        let refused = |why: &str| {
+            let place = self.root.display();
+            Err(CampaignError::Stale(format!(
+                "{place}: {why}: name a new folder with --out, or remove this one"
+            )))
+        };
+        match fs::read_to_string(&mark) {
+            Ok(text) if text.trim() == self.made_of => Ok(()),
+            Ok(_) => refused(OTHER),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                // Somebody else may just begin the same campaign.
+                let new = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with(NEW);
+                if fs::read_dir(&self.root).is_ok_and(|entries| entries.flatten().any(|entry| !new(&entry))) {
+                    return refused("other files are in this folder already");
+                }
+                fs::create_dir_all(&self.root).map_err(CampaignError::file(&self.root))?;
+                put(&mark, format!("{}\n", self.made_of).as_bytes())
+            }
+            Err(error) => Err(CampaignError::file(mark)(error)),
+        }
     }
 
     /// The machine file of a combination of values.
@@ -73,9 +110,20 @@ impl Folder {
         self.root.join(TABLE)
     }
 
-    /// Where a run may leave what nobody needs.
-    pub fn scratch(&self) -> PathBuf {
-        self.root.join("scratch")
+    /// A folder for what a job leaves that nobody needs; dropping it takes it away.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn scratch(&self, job: u64) -> Result<tempfile::TempDir, CampaignError> {
+        let place = self.root.join("scratch");
+        fs::create_dir_all(&place).map_err(CampaignError::file(&place))?;
+        let made = tempfile::Builder::new().prefix(&format!("{job:05}-")).tempdir_in(&place);
+        made.map_err(CampaignError::file(place))
+    }
+
+    /// Where this campaign is.
+    pub fn root(&self) -> &Path {
+        &self.root
     }
 
     fn job(&self, job: u64) -> PathBuf {
@@ -98,6 +146,19 @@ impl Folder {
         Ok((0..self.plan.jobs()).filter(|job| !there.contains(job)).collect())
     }
 
+    /// Takes away what jobs that were killed have left; all are done.
+    pub fn clear(&self) {
+        // Whatever cannot be removed is in nobody's way.
+        let _ = fs::remove_dir_all(self.root.join("scratch"));
+        for place in ["jobs", "machines"] {
+            for entry in fs::read_dir(self.root.join(place)).into_iter().flatten().flatten() {
+                if entry.file_name().to_string_lossy().starts_with(NEW) {
+                    let _ = fs::remove_file(entry.path());
+                }
+            }
+        }
+    }
+
     /// The rows of a job that is done.
     ///
     /// # Errors
@@ -116,8 +177,7 @@ impl Folder {
         let done: Done = serde_json::from_str(&text)
             .map_err(|error| stale(format!("is not what a job leaves ({error})")))?;
         if done.made_of != self.made_of {
-            let why = "was made of another campaign file, machine or program file, or by another build of pitchlock";
-            return Err(stale(why.into()));
+            return Err(stale(OTHER.into()));
         }
         if done.job != job {
             return Err(stale(format!("is of job {}", done.job)));
@@ -128,20 +188,32 @@ impl Folder {
     /// Keeps the rows of a job.
     ///
     /// # Errors
-    /// They cannot be written; nothing is left of them then.
+    /// They cannot be written, or what they were made of has changed meanwhile; nothing is left of them then.
     pub fn keep(&self, job: u64, rows: Vec<Row>) -> Result<(), CampaignError> {
+        if made_of(&self.plan, &self.program)? != self.made_of {
+            let why = "a file that it is made of has changed meanwhile: nothing of it is kept";
+            return Err(CampaignError::Stale(format!("job {job}: {why}")));
+        }
         let done = Done { made_of: self.made_of.clone(), job, rows };
         let text = serde_json::to_vec(&done).map_err(|error| CampaignError::Input(error.to_string()))?;
         put(&self.job(job), &text)
     }
 }
 
-/// A file as a whole: whoever reads it finds all of it or nothing.
+/// A file as a whole: whoever reads it finds all of it or nothing. What it is until then has a name
+/// that no other process has, on whatever computer: process numbers alone are the same in many
+/// containers.
 fn put(place: &Path, content: &[u8]) -> Result<(), CampaignError> {
     let put = || {
-        let mut begun = intake::begin(place)?;
-        begun.file().write_all(content)?;
-        begun.put()
+        let parent = place.parent().unwrap_or(Path::new("."));
+        let mut new = tempfile::Builder::new()
+            .prefix(NEW)
+            .permissions(Permissions::from_mode(0o666))
+            .tempfile_in(parent)?;
+        new.write_all(content)?;
+        new.as_file().sync_all()?;
+        new.persist(place)?;
+        std::io::Result::Ok(())
     };
     put().map_err(CampaignError::file(place))
 }
@@ -151,26 +223,23 @@ fn text(path: &Path) -> Result<String, CampaignError> {
     intake::text(path, intake::SETTINGS).map_err(named)
 }
 
-/// What a campaign is made of, as a hash: its file, its machine file, every file that a word of its command
-/// names, and the program.
-fn made_of(plan: &Plan, machine: Option<&str>, program: &Path) -> Result<String, CampaignError> {
-    let mut hash = blake3::Hasher::new();
-    let mut take = |bytes: &[u8]| {
-        hash.update(&(bytes.len() as u64).to_le_bytes());
-        hash.update(bytes);
-    };
-    take(plan.text.as_bytes());
-    take(machine.unwrap_or_default().as_bytes());
-    let files = plan.command().iter().skip(1).map(Path::new).chain([program]);
-    for file in files {
-        match fs::read(file) {
-            Ok(content) => take(&content),
-            // A word that is no file.
-            Err(error)
-                if [ErrorKind::NotFound, ErrorKind::IsADirectory, ErrorKind::NotADirectory]
-                    .contains(&error.kind()) => {}
-            Err(error) => return Err(CampaignError::file(file)(error)),
+/// What a campaign is made of, as a hash: its file, its machine file, every file that a word of one of
+/// its commands names, also behind `=`, and the program.
+fn made_of(plan: &Plan, program: &Path) -> Result<String, CampaignError> {
+    let mut whole = blake3::Hasher::new();
+    whole.update(blake3::hash(plan.text.as_bytes()).as_bytes());
+    let words = plan.words();
+    let values = words.iter().map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value));
+    let named = words.iter().map(String::as_str).chain(values).map(Path::new);
+    for file in plan.machine.as_deref().into_iter().chain(named).chain([program]) {
+        // A word that is no file; devices and pipes have nothing that stays.
+        if !fs::metadata(file).is_ok_and(|found| found.is_file()) {
+            continue;
         }
+        let mut hash = blake3::Hasher::new();
+        let read = fs::File::open(file).and_then(|mut file| std::io::copy(&mut file, &mut hash));
+        read.map_err(CampaignError::file(file))?;
+        whole.update(hash.finalize().as_bytes());
     }
-    Ok(hash.finalize().to_hex().to_string())
+    Ok(whole.finalize().to_hex().to_string())
 }

@@ -1,6 +1,7 @@
 //! The campaign file, and the runs and jobs that it asks for. In: its text. Out: every run with its words, in
 //! an order that is the same everywhere, so that a job is known by its number alone.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ const SEEDS_A_JOB: u64 = 20;
 /// Runs that a campaign may have.
 const MOST_RUNS: u64 = 1_000_000;
 /// What a campaign gives each run itself.
-const OURS: [&str; 6] = ["--json", "--out", "--quiet", "-q", "--page", "--panel"];
+const OURS: [&str; 8] = ["--json", "--out", "-o", "--quiet", "-q", "--page", "--panel", "--at"];
 /// Where seeds stand in a command: one, or the first and the one behind the last.
 const SEED: &str = "{seed}";
 const SEEDS: &str = "{seeds}";
@@ -102,7 +103,13 @@ impl Plan {
                  [\"soak\", \"--seeds\", \"{{seeds}}\"]"
             ));
         }
-        let option = |word: &String| word.split('=').next().unwrap_or_default().to_owned();
+        // `-oFILE` is `-o FILE`.
+        let option = |word: &String| match word.strip_prefix('-') {
+            Some(short) if !short.starts_with('-') => {
+                format!("-{}", short.chars().take(1).collect::<String>())
+            }
+            _ => word.split('=').next().unwrap_or_default().to_owned(),
+        };
         if let Some(ours) = command.iter().map(option).find(|word| OURS.contains(&word.as_str())) {
             return Err(format!("command: a campaign says {ours} itself: leave it out"));
         }
@@ -220,7 +227,7 @@ impl Plan {
         if let Some(seeds) = &self.seeds {
             if self.ranges {
                 let from = seeds.start + nth * self.per_job;
-                let part = from..seeds.end.min(from + self.per_job);
+                let part = from..seeds.end.min(from.saturating_add(self.per_job));
                 fill(SEEDS, &format!("{}..{}", part.start, part.end));
                 asked = Some(part);
             } else {
@@ -282,9 +289,20 @@ impl Plan {
         ours.into_iter().chain(self.varied.iter().map(|varied| varied.name.clone())).chain(seed).collect()
     }
 
-    /// The words of the command, as they are written.
-    pub fn command(&self) -> &[String] {
-        &self.command
+    /// Every word of every command, seeds left as they are written.
+    pub fn words(&self) -> BTreeSet<String> {
+        let mut all: BTreeSet<String> = self.command.iter().cloned().collect();
+        for varied in self.varied.iter().filter(|varied| varied.in_command) {
+            let mark = format!("{{{}}}", varied.name);
+            let fill = |word: &String| {
+                let has = word.contains(&mark);
+                let texts = varied.values.iter().take(if has { usize::MAX } else { 0 });
+                texts.map(|value| word.replace(&mark, &written(value))).collect::<Vec<_>>()
+            };
+            let filled: Vec<String> = all.iter().flat_map(fill).collect();
+            all.extend(filled);
+        }
+        all
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rows as Parquet. In: rows, the names that come first. Out: one file: a column for each name, of the kind
-//! that holds all of its values, in the order of the names; what a row has not is null. The same rows make the
-//! same bytes.
+//! that holds all of its values, in the order of the names; what a row has not is null. The same rows make
+//! the same bytes.
 
 use std::collections::BTreeMap;
 use std::io::Write;

@@ -20,6 +20,7 @@ use process::ipc::{
 };
 use serde_json::Value;
 
+use super::script::quote;
 use crate::error::CliError;
 
 /// How often it is looked whether a command has ended.
@@ -39,18 +40,20 @@ struct Ended {
 /// Makes a job and keeps its rows.
 ///
 /// # Errors
-/// It was asked to end, a command was ended from outside, or something cannot be written: nothing is kept.
+/// It was asked to end, a command was ended from outside or by the computer, what it is made of has
+/// changed, or something cannot be written: nothing is kept.
 pub(super) fn job(folder: &Folder, job: u64, stop: &AtomicBool) -> Result<(), CliError> {
-    let scratch = Scratch::new(folder, job)?;
+    let scratch = folder.scratch(job)?;
     let mut all = Vec::new();
     for run in folder.plan.runs(job) {
         let command = command(folder, &run);
-        let made = scratch.ended(folder, &run, stop)?;
+        let said = |why: String| CliError::Machine(format!("job {job}: `{command}` {why}"));
+        let made = ended(folder, &run, scratch.path(), stop)?;
         let Some(status) = made.status.code() else {
             let signal = made.status.signal().map(signal_words).unwrap_or_default();
-            return Err(CliError::Machine(format!("job {job}: `{command}` was ended: {signal}")));
+            return Err(said(format!("was ended by {signal}")));
         };
-        for row in of_run(&run, status, &made)? {
+        for row in of_run(&run, status, &made, scratch.path()).map_err(said)? {
             let mut whole = Row::new();
             whole.insert("job".into(), job.into());
             whole.insert("command".into(), command.clone().into());
@@ -67,103 +70,92 @@ pub(super) fn job(folder: &Folder, job: u64, stop: &AtomicBool) -> Result<(), Cl
     Ok(folder.keep(job, all)?)
 }
 
-/// The rows of one command; where it printed no document one that says why.
-fn of_run(run: &Run, status: i32, made: &Ended) -> Result<Vec<Row>, CliError> {
+/// The rows of one command; where it was refused one that says why.
+///
+/// # Errors
+/// What came of it says something of this computer, and nothing of the machine: in words.
+fn of_run(run: &Run, status: i32, made: &Ended, scratch: &Path) -> Result<Vec<Row>, String> {
     let name = run.words.first().map_or("", String::as_str);
     let document: Option<Value> = serde_json::from_str(&made.printed).ok();
-    let refused = document.as_ref().and_then(|document| document.get("error")?.as_str());
-    let why = match (&document, refused) {
+    let of = |key: &str| document.as_ref().and_then(|document| document.get(key));
+    if let Some(asked) = &run.seeds
+        && of("seeds").and_then(Value::as_u64).is_some_and(|seeds| seeds != asked.end - asked.start)
+    {
+        return Err("was broken off".into());
+    }
+    let outcome = of("outcome").and_then(Value::as_str);
+    // Only a scenario stops a run that nobody attends.
+    if outcome == Some("stopped") && !run.words.iter().any(|word| word.starts_with("--scenario")) {
+        return Err("was stopped from outside".into());
+    }
+    if status == 1 && outcome == Some("completed") {
+        return Err(format!("did not end well: {}", made.said));
+    }
+    let why = match (&document, of("error").and_then(Value::as_str)) {
         (_, Some(why)) => why.to_owned(),
         (None, None) => made.said.clone(),
-        (Some(document), None) => {
-            if let Some(asked) = &run.seeds
-                && document
-                    .get("seeds")
-                    .and_then(Value::as_u64)
-                    .is_some_and(|seeds| seeds != asked.end - asked.start)
-            {
-                return Err(CliError::Machine(format!("`{}` was broken off", run.words.join(" "))));
-            }
-            match rows(name, document) {
-                Ok(rows) => return Ok(rows),
-                Err(why) => why,
-            }
-        }
+        (Some(document), None) => match rows(name, document) {
+            Ok(rows) => return Ok(rows),
+            Err(why) => why,
+        },
     };
-    if status == 0 {
-        return Err(CliError::Machine(format!("`{}` gives no rows: {why}", run.words.join(" "))));
+    // What is wrong with a folder of ours is a full disk or the like.
+    if status == 0 || why.contains(&scratch.display().to_string()) {
+        return Err(format!("gives no rows: {why}"));
     }
     let mut short = why;
     short.truncate((0..=LONGEST_ERROR.min(short.len())).rfind(|at| short.is_char_boundary(*at)).unwrap_or(0));
     Ok(vec![Row::from_iter([("error".into(), short.into())])])
 }
 
-/// The command as a person repeats it, in the folder of the campaign where it has a machine file there.
+/// The command as a shell takes it where the campaign was started.
 fn command(folder: &Folder, run: &Run) -> String {
-    let word =
-        |word: &String| if word.contains([' ', '"', '\'']) { format!("{word:?}") } else { word.clone() };
-    let words: Vec<String> = run.words.iter().map(word).collect();
-    let machine = match (run.machine, &folder.plan.machine) {
-        (Some(number), _) => format!(" --machine machines/{number:05}.toml"),
-        (None, Some(path)) => format!(" --machine {}", path.display()),
-        (None, None) => String::new(),
-    };
-    format!("pitchlock {}{machine}", words.join(" "))
+    let machine = run.machine.map(|number| folder.machine(number)).or_else(|| folder.plan.machine.clone());
+    let machine = machine.map(|path| ["--machine".into(), path.display().to_string()]);
+    let words = ["pitchlock".into()]
+        .into_iter()
+        .chain(run.words.iter().cloned())
+        .chain(machine.into_iter().flatten());
+    words.map(|word| quote(&word)).collect::<Vec<_>>().join(" ")
 }
 
-/// Where the commands of a job leave what nobody needs. Dropping it takes that away.
-struct Scratch(PathBuf);
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+/// Runs one command to its end. What nobody needs of it lies in `place`.
+fn ended(folder: &Folder, run: &Run, place: &Path, stop: &AtomicBool) -> Result<Ended, CliError> {
+    let failed = |error: std::io::Error| CliError::Machine(format!("{}: {error}", place.display()));
+    let (printed, said) = (place.join("printed"), place.join("said"));
+    let this = std::env::current_exe().map_err(failed)?;
+    let mut command = Command::new(this);
+    command.args(&run.words).args(added(run, place));
+    match (run.machine, &folder.plan.machine) {
+        (Some(number), _) => drop(command.arg("--machine").arg(folder.machine(number))),
+        (None, Some(path)) => drop(command.arg("--machine").arg(path)),
+        (None, None) => {}
     }
-}
-
-impl Scratch {
-    fn new(folder: &Folder, job: u64) -> Result<Scratch, CliError> {
-        let place = folder.scratch().join(format!("{job:05}-{}", std::process::id()));
-        std::fs::create_dir_all(&place).map_err(|error| CliError::file(&place, error))?;
-        Ok(Scratch(place))
-    }
-
-    /// Runs one command to its end.
-    fn ended(&self, folder: &Folder, run: &Run, stop: &AtomicBool) -> Result<Ended, CliError> {
-        let Scratch(place) = self;
-        let failed = |error: std::io::Error| CliError::file(place, error);
-        let (printed, said) = (place.join("printed"), place.join("said"));
-        let this = std::env::current_exe().map_err(failed)?;
-        let mut command = Command::new(this);
-        command.args(&run.words).args(added(run, place));
-        match (run.machine, &folder.plan.machine) {
-            (Some(number), _) => drop(command.arg("--machine").arg(folder.machine(number))),
-            (None, Some(path)) => drop(command.arg("--machine").arg(path)),
-            (None, None) => {}
+    // Ctrl-C is for this process, which ends the command; without this process the command ends, too.
+    command.process_group(0).env(process::ipc::ENDS_WITH, std::process::id().to_string());
+    command.stdin(Stdio::null());
+    command.stdout(File::create(&printed).map_err(failed)?).stderr(File::create(&said).map_err(failed)?);
+    let mut child = command.spawn().map_err(failed)?;
+    let status = loop {
+        if stop.load(Ordering::Relaxed) {
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err(CliError::Machine(
+                "broken off; the same command goes on with what is not done".into(),
+            ));
         }
-        // Ctrl-C is for this process, which ends the command; without this process the command ends, too.
-        command.process_group(0).env(process::ipc::ENDS_WITH, std::process::id().to_string());
-        command.stdin(Stdio::null());
-        command.stdout(File::create(&printed).map_err(failed)?).stderr(File::create(&said).map_err(failed)?);
-        let mut child = command.spawn().map_err(failed)?;
-        let status = loop {
-            if stop.load(Ordering::Relaxed) {
-                let _ = child.kill();
-                let _ = child.wait();
-                return Err(CliError::Machine(
-                    "broken off; the same command goes on with what is not done".into(),
-                ));
-            }
-            if let Some(status) = child.try_wait().map_err(failed)? {
-                break status;
-            }
-            sleep_until(Moment::now().after(LOOK));
-        };
-        let read = |path: &Path| intake::text(path, LONGEST).map_err(|error| CliError::file(path, error));
-        let ended = Ended { status, printed: read(&printed)?, said: read(&said)? };
-        // The next command of this job begins in an empty folder.
-        let _ = std::fs::remove_dir_all(place.join("out"));
-        Ok(ended)
-    }
+        if let Some(status) = child.try_wait().map_err(failed)? {
+            break status;
+        }
+        sleep_until(Moment::now().after(LOOK));
+    };
+    let read = |path: &Path| {
+        intake::text(path, LONGEST).map_err(|error| CliError::Machine(format!("{}: {error}", path.display())))
+    };
+    let ended = Ended { status, printed: read(&printed)?, said: read(&said)? };
+    // The next command of this job begins in an empty folder.
+    let _ = std::fs::remove_dir_all(place.join("out"));
+    Ok(ended)
 }
 
 /// What a campaign adds to a command: a document, no trace, and everything else out of the way.

@@ -1,5 +1,5 @@
-//! `pitchlock campaign FILE`: one command over many seeds and values, on all processors or by a scheduler. In:
-//! a campaign file. Out: a folder with a file for each job, and one table of all rows.
+//! `pitchlock campaign FILE`: one command over many seeds and values, on all processors or by a scheduler.
+//! In: a campaign file. Out: a folder with a file for each job, and one table of all rows.
 
 mod make;
 mod script;
@@ -9,7 +9,7 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
     sync::{
-        Mutex,
+        Mutex, PoisonError,
         atomic::{AtomicU64, AtomicUsize, Ordering},
     },
 };
@@ -33,6 +33,9 @@ Examples:
   pitchlock campaign mass.toml --merge              the table of what a scheduler has made
 
 What is broken off is gone on with by the same command. docs/campaigns.md has more.";
+
+/// So many jobs may go wrong before no more are made.
+const MOST_FAILED: usize = 20;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct CampaignArgs {
@@ -90,8 +93,8 @@ pub(crate) fn campaign(args: &CampaignArgs, quiet: bool) -> Result<ExitCode, Cli
     }
     match args.job {
         Some(job) if missing.contains(&job) => all(&folder, &[job], 1, true)?,
-        // It was made before: looked at, because what is there may be of something else.
-        Some(job) => drop(folder.rows(job)?),
+        // It was made before.
+        Some(_) => {}
         None if args.merge => {}
         None => {
             let jobs =
@@ -103,9 +106,11 @@ pub(crate) fn campaign(args: &CampaignArgs, quiet: bool) -> Result<ExitCode, Cli
         if args.json {
             screen::print(&format!("{}\n", json!({ "job": job })));
         }
-        return Ok(ExitCode::SUCCESS);
+        let rows = folder.rows(job)?;
+        let refused = rows.iter().all(|row| row.get("status").and_then(Value::as_i64) == Some(2));
+        return Ok(if refused && !rows.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS });
     }
-    merge(&folder, args)
+    merge(&folder, args, quiet)
 }
 
 /// Makes jobs, so many at the same time.
@@ -113,17 +118,21 @@ fn all(folder: &Folder, jobs: &[u64], at_once: usize, quiet: bool) -> Result<(),
     let interrupts = Interrupts::catch()?;
     let stop = interrupts.asked();
     let (next, done) = (AtomicUsize::new(0), AtomicU64::new(0));
-    let failed = Mutex::new(None);
+    let failed = Mutex::new(Vec::new());
     let shows = !quiet && words::show_bar(jobs.len() as u64);
     let work = || {
         while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if let Err(error) = make::job(folder, *job, stop) {
-                // The others end, too: what is wrong is told before more is made.
-                stop.store(true, Ordering::Relaxed);
-                if let Ok(mut failed) = failed.lock() {
-                    failed.get_or_insert(error);
+            // Who makes the same job beside us may have been faster.
+            if let Err(error) = make::job(folder, *job, stop)
+                && folder.rows(*job).is_err()
+            {
+                let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                failed.push(error);
+                // One that is ended for its memory holds up no other; what befalls all is told soon.
+                if stop.load(Ordering::Relaxed) || failed.len() >= MOST_FAILED {
+                    return;
                 }
-                return;
+                continue;
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             let told = format!("{done} of {} jobs", jobs.len());
@@ -139,11 +148,19 @@ fn all(folder: &Folder, jobs: &[u64], at_once: usize, quiet: bool) -> Result<(),
         words::hide_bar();
     }
     interrupts.let_go();
-    failed.into_inner().unwrap_or_default().map_or(Ok(()), Err)
+    let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let many = failed.len();
+    match failed.into_iter().next() {
+        Some(error) if many > 1 && !stop.load(Ordering::Relaxed) => {
+            Err(CliError::Machine(format!("{many} jobs were not made, the first: {error}")))
+        }
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
 }
 
 /// The table, and what is said of it.
-fn merge(folder: &Folder, args: &CampaignArgs) -> Result<ExitCode, CliError> {
+fn merge(folder: &Folder, args: &CampaignArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let missing = folder.missing()?;
     let jobs = folder.plan.jobs();
     if let Some(first) = missing.first() {
@@ -163,8 +180,7 @@ fn merge(folder: &Folder, args: &CampaignArgs) -> Result<ExitCode, CliError> {
         table::write(&rows, &folder.plan.columns(), file)
             .map_err(|error| CliError::from(CampaignError::from(error)))
     })?;
-    // Whoever made a job has taken its own away, unless it was killed.
-    let _ = std::fs::remove_dir_all(folder.scratch());
+    folder.clear();
     let mut statuses: BTreeMap<i64, (u64, &Row)> = BTreeMap::new();
     for row in &rows {
         let status = row.get("status").and_then(Value::as_i64).unwrap_or_default();
@@ -177,7 +193,7 @@ fn merge(folder: &Folder, args: &CampaignArgs) -> Result<ExitCode, CliError> {
             statuses.iter().map(|(status, (count, _))| (status.to_string(), *count)).collect();
         let document = json!({ "jobs": jobs, "rows": rows.len(), "status": counts, "table": place });
         screen::print(&format!("{document}\n"));
-    } else {
+    } else if !quiet {
         screen::print(&format!("{} rows of {jobs} jobs  {}\n", rows.len(), place.display()));
         statuses.iter().filter(|(status, _)| **status != 0).for_each(|(status, (count, row))| {
             let of = |key: &str| row.get(key).and_then(Value::as_str).unwrap_or_default();

@@ -1,5 +1,5 @@
-//! What is handed to Slurm, which is what clusters have: one array for the jobs that are not done. Whatever else
-//! numbers its tasks takes `--job N` as well.
+//! What is handed to Slurm, which is what clusters have: one array for the jobs that are not done. Whatever
+//! else numbers its tasks takes `--job N` as well.
 
 use std::path::Path;
 
@@ -28,10 +28,9 @@ pub(super) fn script(args: &CampaignArgs, root: &Path, jobs: &[u64]) -> Result<S
         ));
     }
     let of_system = |error: std::io::Error| CliError::Machine(error.to_string());
-    let absolute = |path: &Path| quoted(&std::path::absolute(path).map_err(of_system)?);
     let this = quoted(&std::env::current_exe().map_err(of_system)?)?;
     let here = quoted(&std::env::current_dir().map_err(of_system)?)?;
-    let (file, root, array) = (absolute(&args.file)?, absolute(root)?, ranges(jobs));
+    let (file, root, array) = (quoted(&args.file)?, quoted(root)?, ranges(jobs));
     Ok(format!(
         "#!/bin/sh\n#SBATCH --job-name=pitchlock\n#SBATCH --array={array}\n#SBATCH --cpus-per-task=1\n#SBATCH --requeue\n\
          #SBATCH --output=/dev/null\n#SBATCH --error=pitchlock-%A-%a.err\n#SBATCH --open-mode=append\ncd {here} || exit 1\n\
@@ -60,7 +59,12 @@ fn quoted(path: &Path) -> Result<String, CliError> {
     Ok(quote(text))
 }
 
-fn quote(text: &str) -> String {
+/// A text as a word of a shell.
+pub(super) fn quote(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_./=:,+@%-".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        return text.into();
+    }
     format!("'{}'", text.replace('\'', "'\\''"))
 }
 

@@ -19,7 +19,7 @@ use std::{
 };
 
 /// The crates of the workspace but the root package, and what of the others each may name.
-const CRATES: [(&str, &[&str]); 25] = [
+const CRATES: [(&str, &[&str]); 26] = [
     ("intake", &[]),
     ("motion", &[]),
     ("adviser", &[]),
@@ -71,6 +71,7 @@ const CRATES: [(&str, &[&str]); 25] = [
             "tune",
         ],
     ),
+    ("campaign", &["intake", "machine"]),
     ("panel", &["protocol"]),
     ("terminal", &[]),
     ("lsp", &["intake", "gcode", "interpreter", "machine"]),

@@ -9,8 +9,8 @@ use process::ipc::time::Moment;
 use super::{made, soak, started_by, table};
 use crate::shop::{Place, signal, until, wait_s};
 
-/// A cluster of two nodes on this computer, of which one is killed in the middle; `PITCHLOCK_CAMPAIGN=2000` has so
-/// many seeds.
+/// A cluster of two nodes on this computer, of which one is killed in the middle;
+/// `PITCHLOCK_CAMPAIGN=2000` has so many seeds.
 #[test]
 fn a_cluster_loses_a_node_and_no_row() {
     let Some(cluster) = Cluster::start() else { return };
@@ -52,7 +52,7 @@ impl Cluster {
         let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
         let administrator = fs::metadata("/proc/self").is_ok_and(|found| found.uid() == 0);
         let all = ["munged", "slurmctld", "slurmd", "sbatch"];
-        let has = |program: &&str| Command::new(program).arg("-V").stdout(Stdio::null()).status().is_ok();
+        let has = |program: &&str| Command::new(program).arg("-V").output().is_ok();
         if !administrator || !all.iter().all(has) {
             eprintln!(
                 "left out: a campaign on a cluster needs an administrator, Slurm and MUNGE (slurm-wlm)"
