@@ -261,7 +261,12 @@ fn sets(
     let marks = &measurement.references[axis.index()];
     let (known, lead_mm) = (Position::from_mm(reference.position_mm), config.screw_lead_mm);
     let off_mm = match reference.method {
-        Method::Switch => known.mm_from(marks.switched_at),
+        // The slide is at its switch, and its nut on the flank that it came by: half the backlash behind the
+        // motor. A scale is at the slide itself.
+        Method::Switch => {
+            let behind_mm = if config.scale_step_mm.is_some() { 0.0 } else { 0.5 * config.backlash_mm };
+            known.mm_from(marks.switched_at) + reference.way() * behind_mm
+        }
         Method::SwitchAndIndex => {
             let turn = behind_mm(reference, measurement, axis) / lead_mm;
             if !(TOO_NEAR..=1.0 - TOO_NEAR).contains(&turn) {

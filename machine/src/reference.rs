@@ -79,12 +79,24 @@ impl ReferenceConfig {
         let fastest = search.min(0.1 * config.screw_lead_mm / general.interpolator_cycle_s);
         range(&key("latch_mm_s"), self.latch_mm_s, 1e-3, fastest)?;
         range(&key("sequence"), f64::from(self.sequence), 0.0, 1000.0)?;
-        if self.method == Method::Index {
-            return Ok(());
-        }
         let reacts_s = REACTS_TICKS * general.interpolator_cycle_s;
-        let brakes_mm = search * (reacts_s + 0.5 * Exit::stop_s(search, 0.0, &config.limits()));
+        let brakes = |speed: f64| speed * (reacts_s + 0.5 * Exit::stop_s(speed, 0.0, &config.limits()));
         let end = if self.way() > 0.0 { high } else { low };
+        if self.method == Method::Index {
+            let (takes_mm, left) =
+                (config.screw_lead_mm + brakes(self.latch_mm_s), (end - config.home_mm).abs());
+            let reason = format!(
+                "from home_mm the next index may be a whole turn away, {takes_mm:.3} with the way to brake, and the end of \
+                 its travel is {left:.3} away: search the other way, or move home_mm"
+            );
+            let has_room = left >= takes_mm;
+            return if has_room {
+                Ok(())
+            } else {
+                Err(refuse(&key("search_mm_s"), self.search_mm_s, &reason))
+            };
+        }
+        let brakes_mm = brakes(search);
         let left = (end - self.position_mm).abs();
         if left < brakes_mm {
             let reason = format!(

@@ -127,6 +127,9 @@ impl Hand {
     pub(crate) fn not_referenced(&self, asked: &HandAsked) -> Option<String> {
         let moves =
             matches!(asked, HandAsked::Block(_) | HandAsked::Step { .. } | HandAsked::TouchOff { .. });
+        // Home of an axis that is lost is its reference run; of another one it is a move.
+        let is_lost = |name: &str| self.lost.iter().any(|axis| axis.name().eq_ignore_ascii_case(name));
+        let moves = moves || matches!(asked, HandAsked::Home(name) if !is_lost(name));
         let names: Vec<_> = self.lost.iter().map(|axis| axis.name().to_ascii_uppercase()).collect();
         (moves && !names.is_empty()).then(|| {
             let (names, is) = (names.join(" and "), if names.len() > 1 { "are" } else { "is" });

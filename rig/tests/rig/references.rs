@@ -336,6 +336,19 @@ fn a_move_by_hand_is_refused_before_the_reference_run_and_a_jog_is_not() {
     }
 }
 
+/// The slide is at its switch, the nut on a flank: half the backlash is no error of the position.
+#[test]
+fn behind_a_switch_backlash_is_known() {
+    let backlash = "backlash_mm = 0.1";
+    let machine = made_of(PLAIN, Method::Switch, backlash, backlash);
+    for seed in 1..=10 {
+        let seen = run(&machine, &homing(&machine, seed), &[(GIVEN, Request::Block)], "", seed);
+        let end = seen.last().expect("it ran");
+        assert!(end.waits() && !end.open && end.fault == 0, "seed {seed}: {end:?}");
+        assert!(end.off_mm.abs() <= most_mm(&machine, Method::Switch), "seed {seed}: {end:?}");
+    }
+}
+
 /// With a bus that delays, a screw whose error is compensated, backlash, a slide that hangs, a motor that
 /// cogs; and with a scale at the slide.
 #[test]

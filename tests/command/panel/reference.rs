@@ -54,6 +54,8 @@ fn before_its_reference_runs_a_machine_only_jogs_and_a_session_with_them_is_repe
     assert_eq!((referenced(&panel), stands(&panel)[0]), ([true, false], 60.0));
     let (code, why) = refused(&panel, "mdi", json!("G0 X20"));
     assert!(code == "not-referenced" && why.starts_with("Z is not referenced"), "{code}: {why}");
+    let (code, why) = refused(&panel, "home", json!("X"));
+    assert!(code == "not-referenced" && why.starts_with("Z is not referenced"), "{code}: {why}");
     // It may be held on its way.
     panel.turn("home", "Z");
     until("it goes", || panel.state()["axes"][1]["speed_mm_s"].as_f64().is_some_and(|speed| speed > 1.0));
@@ -96,6 +98,14 @@ fn a_program_is_run_behind_its_reference_runs() {
 fn a_reference_that_cannot_be_is_refused_by_its_key() {
     let place = Place::new();
     let lathe = std::fs::read_to_string(lathe(&place)).expect("it was written");
+    let refused = |lathe: &str, why: &str| {
+        let file = place.write("wrong.toml", lathe).display().to_string();
+        let program = place.write("part.ngc", "M2\n").display().to_string();
+        let answer = place.ask(&["run", &program, "--machine", &file, "--out", "wrong"]);
+        assert!(answer.status == Some(2) && answer.stderr.contains(why), "{why}: {}", answer.stderr);
+    };
+    let near_its_end = lathe.replacen("home_mm = 60", "home_mm = 119", 1);
+    assert_ne!(near_its_end, lathe);
     for (from, to, why) in [
         ("latch_mm_s = 2", "latch_mm_s = 0", "axis.x.reference.latch_mm_s = 0: must lie between"),
         ("search_mm_s = 40", "search_mm_s = 0", "axis.x.reference.search_mm_s = 0: must not be 0"),
@@ -108,9 +118,8 @@ fn a_reference_that_cannot_be_is_refused_by_its_key() {
         ("switch-and-index", "feeling", "unknown variant"),
         ("home_off_mm = 2.25", "switch_hysteresis_mm = 0.001", "plant.axis.x.switch_hysteresis_mm = 0.001"),
     ] {
-        let file = place.write("wrong.toml", lathe.replacen(from, to, 1)).display().to_string();
-        let program = place.write("part.ngc", "M2\n").display().to_string();
-        let answer = place.ask(&["run", &program, "--machine", &file, "--out", "wrong"]);
-        assert!(answer.status == Some(2) && answer.stderr.contains(why), "{to}: {}", answer.stderr);
+        refused(&lathe.replacen(from, to, 1), why);
     }
+    let why = "from home_mm the next index may be a whole turn away";
+    refused(&near_its_end.replacen("switch-and-index", "index", 1), why);
 }
