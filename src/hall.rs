@@ -174,9 +174,10 @@ impl Hall {
     }
 }
 
-/// Whether a machine answers, and lets itself be looked at.
+/// Whether a machine answers, with what it does now, and lets itself be looked at. The first answer after a
+/// time in which nobody looked is of before that time.
 fn answers(watched: &Watched) -> bool {
-    watched.silent_s < SILENT_S && watched.seen.is_some() && watched.why.is_none()
+    watched.silent_s.max(watched.age_s) < SILENT_S && watched.seen.is_some() && watched.why.is_none()
 }
 
 /// A machine in the list.
@@ -308,5 +309,7 @@ mod tests {
         let document = hall.document(&all);
         assert_eq!(document["machines"][0]["seen"], seen);
         assert_eq!(document["machines"][1]["answers"], false);
+        let of_before = Watched { seen: Some(seen), age_s: 17.0, ..Watched::default() };
+        assert_eq!(hall.document(&[of_before])["machines"][0]["answers"], false);
     }
 }

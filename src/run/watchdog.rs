@@ -19,8 +19,8 @@ const QUIET: Duration = Duration::from_millis(500);
 /// Processes that wait say so once a second: so long what they say is collected at least.
 const COLLECT: Duration = Duration::from_secs(2);
 
-/// Who does something in the end is given so many times the patience: a computer whose disk or processors are taken
-/// by others is slow, and a process that turns in a circle has to end some time.
+/// Who does something in the end is given so many times the patience: a computer whose disk or
+/// processors are taken by others is slow, and a process that turns in a circle has to end some time.
 const PERIODS: u32 = 6;
 
 /// What a process has done so far, as the operating system counts it.
@@ -38,8 +38,8 @@ impl Done {
         Some(Done { pid, used: used(pid)?, pages: waited_for_pages(pid)? })
     }
 
-    /// Whether the same process has gone on since. One that only waits wakes up once a second to say so, which
-    /// may be a tick.
+    /// Whether the same process has gone on since. One that only waits wakes up once a second to say
+    /// so, which may be a tick.
     fn has_gone_on(self, now: Done) -> bool {
         self.pid == now.pid && (now.used > self.used + 1 || now.pages > self.pages)
     }
@@ -53,7 +53,8 @@ pub(crate) struct Watchdog {
     last: Moment,
     /// What the interpreter had used of a processor when who waits for whom began to be collected.
     collecting: Option<Option<u64>>,
-    /// What the living had done when the wait for their end began, or was last prolonged; and how often it was.
+    /// What the living had done when the wait for their end began, or was last prolonged; and how often
+    /// it was.
     done: Vec<Done>,
     prolonged: u32,
 }
@@ -91,8 +92,8 @@ impl Watchdog {
         (self.done, self.prolonged) = (done(started), 0);
     }
 
-    /// Whether they have had all their time to end. Who does something meanwhile, or waits for a device, is not
-    /// frozen and only slow.
+    /// Whether they have had all their time to end. Who does something meanwhile, or waits for a
+    /// device, is not frozen and only slow.
     pub(crate) fn have_had_time(&mut self, started: &[Started]) -> bool {
         if !self.is_over() {
             return false;
