@@ -17,8 +17,6 @@ use crate::plan::Plan;
 use crate::rows::Row;
 use crate::{CampaignError, vary};
 
-/// The table.
-pub const TABLE: &str = "campaign.parquet";
 /// What says which campaign a folder is of.
 const MARK: &str = "made-of";
 const OTHER: &str =
@@ -107,7 +105,7 @@ impl Folder {
 
     /// The table, when it is made.
     pub fn table(&self) -> PathBuf {
-        self.root.join(TABLE)
+        self.root.join("campaign.parquet")
     }
 
     /// A folder for what a job leaves that nobody needs; dropping it takes it away.
@@ -119,11 +117,6 @@ impl Folder {
         fs::create_dir_all(&place).map_err(CampaignError::file(&place))?;
         let made = tempfile::Builder::new().prefix(&format!("{job:05}-")).tempdir_in(&place);
         made.map_err(CampaignError::file(place))
-    }
-
-    /// Where this campaign is.
-    pub fn root(&self) -> &Path {
-        &self.root
     }
 
     fn job(&self, job: u64) -> PathBuf {

@@ -294,12 +294,11 @@ impl Plan {
         let mut all: BTreeSet<String> = self.command.iter().cloned().collect();
         for varied in self.varied.iter().filter(|varied| varied.in_command) {
             let mark = format!("{{{}}}", varied.name);
+            let marked = all.iter().filter(|word| word.contains(&mark));
             let fill = |word: &String| {
-                let has = word.contains(&mark);
-                let texts = varied.values.iter().take(if has { usize::MAX } else { 0 });
-                texts.map(|value| word.replace(&mark, &written(value))).collect::<Vec<_>>()
+                varied.values.iter().map(|value| word.replace(&mark, &written(value))).collect::<Vec<_>>()
             };
-            let filled: Vec<String> = all.iter().flat_map(fill).collect();
+            let filled: Vec<String> = marked.flat_map(fill).collect();
             all.extend(filled);
         }
         all

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use machine::Machine;
-use toml_edit::{DocumentMut, Item};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 /// The text of a machine file with other values. Paths in it that are relative to `beside`, the folder of
 /// the original, are written out, because the new file lies elsewhere.
@@ -14,8 +14,7 @@ use toml_edit::{DocumentMut, Item};
 pub fn machine(text: &str, beside: &Path, keys: &[(&str, &toml::Value)]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|error| format!("{error}"))?;
     for (key, value) in keys {
-        let value: toml_edit::Value =
-            value.to_string().parse().map_err(|error| format!("vary.\"{key}\": {error}"))?;
+        let value: Value = value.to_string().parse().map_err(|error| format!("vary.\"{key}\": {error}"))?;
         put(document.as_item_mut(), key, value).map_err(|why| format!("vary.\"{key}\": {why}"))?;
     }
     for name in ["tool_table", "parameters"] {
@@ -34,7 +33,7 @@ pub fn machine(text: &str, beside: &Path, keys: &[(&str, &toml::Value)]) -> Resu
 
 /// Puts a value where a path of keys leads. The last key may be new, because a machine file need not say what
 /// has a default; the table has to be there.
-fn put(item: &mut Item, path: &str, value: toml_edit::Value) -> Result<(), String> {
+fn put(item: &mut Item, path: &str, value: Value) -> Result<(), String> {
     let (way, last) = path.rsplit_once('.').unwrap_or(("", path));
     let mut at = item;
     for name in way.split('.').filter(|name| !name.is_empty()) {
@@ -42,19 +41,33 @@ fn put(item: &mut Item, path: &str, value: toml_edit::Value) -> Result<(), Strin
         at = there.ok_or_else(|| format!("the machine file has no [{way}]"))?;
     }
     let table = at.as_table_like_mut().ok_or_else(|| format!("[{way}] is no table of the machine file"))?;
-    match table.get_mut(last) {
-        Some(Item::Value(there)) => {
-            // What stands behind it in the line stays there.
-            let decor = there.decor().clone();
-            *there = value;
-            *there.decor_mut() = decor;
-        }
-        Some(there) if !there.is_none() => return Err(format!("{path} is a table: name a key in it")),
-        _ => {
-            table.insert(last, Item::Value(value));
-        }
+    if table.get(last).is_some_and(|there| !there.is_none() && !there.is_value()) {
+        return Err(format!("{path} is a table: name a key in it"));
     }
+    set(table, last, value);
     Ok(())
+}
+
+/// Sets a value; one that is absent comes at the end of the section. A comment behind it stays in its column
+/// where there is room.
+pub fn set(section: &mut dyn TableLike, name: &str, mut value: Value) {
+    let length = |value: &Value| value.clone().decorated("", "").to_string().chars().count();
+    if let Some(before) = section.get(name).and_then(Item::as_value) {
+        let decor = before.decor();
+        let text =
+            |raw: Option<&toml_edit::RawString>| raw.and_then(|raw| raw.as_str()).unwrap_or("").to_owned();
+        let (prefix, suffix) = (text(decor.prefix()), text(decor.suffix()));
+        let comment = suffix.trim_start_matches(' ');
+        let suffix = if comment.starts_with('#') {
+            let column = length(before) + suffix.chars().count() - comment.chars().count();
+            let gap = column.saturating_sub(length(&value)).max(1);
+            format!("{}{comment}", " ".repeat(gap))
+        } else {
+            suffix
+        };
+        value = value.decorated(prefix, suffix);
+    }
+    section.insert(name, Item::Value(value));
 }
 
 #[cfg(test)]

@@ -108,10 +108,14 @@ fn of_run(run: &Run, status: i32, made: &Ended, scratch: &Path) -> Result<Vec<Ro
     Ok(vec![Row::from_iter([("error".into(), short.into())])])
 }
 
+/// The machine file of a run, if it does not take the built-in one.
+fn machine(folder: &Folder, run: &Run) -> Option<PathBuf> {
+    run.machine.map(|number| folder.machine(number)).or_else(|| folder.plan.machine.clone())
+}
+
 /// The command as a shell takes it where the campaign was started.
 fn command(folder: &Folder, run: &Run) -> String {
-    let machine = run.machine.map(|number| folder.machine(number)).or_else(|| folder.plan.machine.clone());
-    let machine = machine.map(|path| ["--machine".into(), path.display().to_string()]);
+    let machine = machine(folder, run).map(|path| ["--machine".into(), path.display().to_string()]);
     let words = ["pitchlock".into()]
         .into_iter()
         .chain(run.words.iter().cloned())
@@ -126,10 +130,8 @@ fn ended(folder: &Folder, run: &Run, place: &Path, stop: &AtomicBool) -> Result<
     let this = std::env::current_exe().map_err(failed)?;
     let mut command = Command::new(this);
     command.args(&run.words).args(added(run, place));
-    match (run.machine, &folder.plan.machine) {
-        (Some(number), _) => drop(command.arg("--machine").arg(folder.machine(number))),
-        (None, Some(path)) => drop(command.arg("--machine").arg(path)),
-        (None, None) => {}
+    if let Some(machine) = machine(folder, run) {
+        command.arg("--machine").arg(machine);
     }
     // Ctrl-C is for this process, which ends the command; without this process the command ends, too.
     command.process_group(0).env(process::ipc::ENDS_WITH, std::process::id().to_string());

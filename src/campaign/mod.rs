@@ -79,38 +79,37 @@ pub(crate) fn campaign(args: &CampaignArgs, quiet: bool) -> Result<ExitCode, Cli
     let root = args.out.clone().unwrap_or_else(|| Path::new("campaigns").join(name));
     let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
     let folder = Folder::open(plan, &root, &this)?;
-    if let Some(job) = args.job {
-        let jobs = folder.plan.jobs();
-        if job >= jobs {
-            let text = format!("--job {job}: this campaign has the jobs 0 to {}", jobs.saturating_sub(1));
-            return Err(CliError::Input(text));
-        }
-    }
     let missing = folder.missing()?;
+    if let Some(job) = args.job {
+        return one(&folder, job, &missing, args.json);
+    }
     if args.slurm {
         screen::print(&script::script(args, &root, &missing)?);
         return Ok(ExitCode::SUCCESS);
     }
-    match args.job {
-        Some(job) if missing.contains(&job) => all(&folder, &[job], 1, true)?,
-        // It was made before.
-        Some(_) => {}
-        None if args.merge => {}
-        None => {
-            let jobs =
-                args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-            all(&folder, &missing, jobs, quiet)?;
-        }
-    }
-    if let Some(job) = args.job {
-        if args.json {
-            screen::print(&format!("{}\n", json!({ "job": job })));
-        }
-        let rows = folder.rows(job)?;
-        let refused = rows.iter().all(|row| row.get("status").and_then(Value::as_i64) == Some(2));
-        return Ok(if refused && !rows.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS });
+    if !args.merge {
+        let jobs = args.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+        all(&folder, &missing, jobs, quiet)?;
     }
     merge(&folder, args, quiet)
+}
+
+/// Makes one job, unless it is done; 1 if no command of it took its arguments.
+fn one(folder: &Folder, job: u64, missing: &[u64], json: bool) -> Result<ExitCode, CliError> {
+    let jobs = folder.plan.jobs();
+    if job >= jobs {
+        let text = format!("--job {job}: this campaign has the jobs 0 to {}", jobs.saturating_sub(1));
+        return Err(CliError::Input(text));
+    }
+    if missing.contains(&job) {
+        all(folder, &[job], 1, true)?;
+    }
+    if json {
+        screen::print(&format!("{}\n", json!({ "job": job })));
+    }
+    let rows = folder.rows(job)?;
+    let refused = rows.iter().all(|row| row.get("status").and_then(Value::as_i64) == Some(2));
+    Ok(if refused && !rows.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
 /// Makes jobs, so many at the same time.

@@ -1,9 +1,10 @@
 //! The machine file with the keys of tuned axes changed, and nothing else: comments and layout stay. In: its
 //! text. Out: its text.
 
+use campaign::vary::set;
 use machine::AxisConfig;
 use protocol::Axis;
-use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
+use toml_edit::{Array, DocumentMut, Item, Value};
 
 use super::change::KEYS;
 use crate::error::CliError;
@@ -37,28 +38,6 @@ pub(super) fn edited(text: &str, axis: Axis, proposal: &AxisConfig) -> Result<St
         set(section, "cogging", Value::from(rows.collect::<Array>()));
     }
     Ok(document.to_string())
-}
-
-/// Sets a value; one that is absent comes at the end of the section. A comment behind it stays in its column
-/// where there is room.
-fn set(section: &mut dyn TableLike, name: &str, mut value: Value) {
-    let length = |value: &Value| value.clone().decorated("", "").to_string().chars().count();
-    if let Some(before) = section.get(name).and_then(Item::as_value) {
-        let decor = before.decor();
-        let text =
-            |raw: Option<&toml_edit::RawString>| raw.and_then(|raw| raw.as_str()).unwrap_or("").to_owned();
-        let (prefix, suffix) = (text(decor.prefix()), text(decor.suffix()));
-        let comment = suffix.trim_start_matches(' ');
-        let suffix = if comment.starts_with('#') {
-            let column = length(before) + suffix.chars().count() - comment.chars().count();
-            let gap = column.saturating_sub(length(&value)).max(1);
-            format!("{}{comment}", " ".repeat(gap))
-        } else {
-            suffix
-        };
-        value = value.decorated(prefix, suffix);
-    }
-    section.insert(name, Item::Value(value));
 }
 
 #[cfg(test)]
