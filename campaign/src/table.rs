@@ -1,6 +1,6 @@
-//! Rows as Parquet. In: rows, the names that come first. Out: one file: a column for each name, of the kind
-//! that holds all of its values, in the order of the names; what a row has not is null. The same rows make
-//! the same bytes.
+//! Rows as Parquet. In: rows, twice, and the names that come first. Out: one file: a column for each name, of
+//! the kind that holds all of its values, in the order of the names; what a row has not is null. The same rows
+//! make the same bytes, and no more of them than one group are held at a time.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -17,8 +17,8 @@ use serde_json::Value;
 
 use crate::rows::Row;
 
-/// Rows that are written as one group.
-const GROUP: usize = 100_000;
+/// Rows that are written as one group, and so many are in memory.
+const GROUP: usize = 5_000;
 
 /// What a column holds, from the narrowest on: a column of several kinds has the first that holds all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,37 +62,85 @@ impl Kind {
     }
 }
 
-/// Writes rows. `first` are the names that come first; the others follow by the alphabet.
-///
-/// # Errors
-/// The file cannot be written.
-pub fn write(rows: &[Row], first: &[String], to: impl Write + Send) -> Result<(), ParquetError> {
-    let mut kinds: BTreeMap<&str, Kind> = BTreeMap::new();
-    for (name, value) in rows.iter().flatten() {
-        let kind = kinds.entry(name).or_insert(Kind::Nothing);
-        *kind = kind.and(Kind::of(value));
+/// What is in the rows of a table, known before its first row is written.
+#[derive(Debug, Default)]
+pub struct Columns(BTreeMap<String, Kind>);
+
+impl Columns {
+    /// Sees a row that will be in the table.
+    pub fn see(&mut self, row: &Row) {
+        for (name, value) in row {
+            let kind = Kind::of(value);
+            match self.0.get_mut(name) {
+                Some(known) => *known = known.and(kind),
+                None => drop(self.0.insert(name.clone(), kind)),
+            }
+        }
     }
-    let leading = first.iter().filter_map(|name| kinds.remove_entry(name.as_str()));
-    let mut columns: Vec<(&str, Kind)> = leading.collect();
-    columns.extend(kinds);
-    let fields = columns.iter().map(|(name, kind)| kind.field(name).map(Arc::new));
-    let fields = fields.collect::<Result<Vec<_>, _>>()?;
-    let schema = Arc::new(Type::group_type_builder("row").with_fields(fields).build()?);
-    let made_by = concat!("pitchlock ", env!("CARGO_PKG_VERSION")).into();
-    let properties = Arc::new(WriterProperties::builder().set_created_by(made_by).build());
-    let mut file = SerializedFileWriter::new(to, schema, properties)?;
-    for rows in rows.chunks(GROUP) {
-        let mut group = file.next_row_group()?;
-        for (name, kind) in &columns {
+
+    /// `first` are the names that come first; the others follow by the alphabet.
+    fn ordered(mut self, first: &[String]) -> Vec<(String, Kind)> {
+        let mut columns: Vec<_> = first.iter().filter_map(|name| self.0.remove_entry(name)).collect();
+        columns.extend(self.0);
+        columns
+    }
+}
+
+/// A file that rows are written to.
+pub struct Table<W: Write + Send> {
+    file: SerializedFileWriter<W>,
+    columns: Vec<(String, Kind)>,
+    waiting: Vec<Row>,
+}
+
+impl<W: Write + Send> Table<W> {
+    /// Begins a file. `seen` has seen every row that will be pushed; `first` are the names of the first columns.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn begin(to: W, seen: Columns, first: &[String]) -> Result<Self, ParquetError> {
+        let columns = seen.ordered(first);
+        let fields = columns.iter().map(|(name, kind)| kind.field(name).map(Arc::new));
+        let fields = fields.collect::<Result<Vec<_>, _>>()?;
+        let schema = Arc::new(Type::group_type_builder("row").with_fields(fields).build()?);
+        let made_by = concat!("pitchlock ", env!("CARGO_PKG_VERSION")).into();
+        let properties = Arc::new(WriterProperties::builder().set_created_by(made_by).build());
+        Ok(Self { file: SerializedFileWriter::new(to, schema, properties)?, columns, waiting: Vec::new() })
+    }
+
+    /// The next row.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn push(&mut self, row: Row) -> Result<(), ParquetError> {
+        self.waiting.push(row);
+        if self.waiting.len() < GROUP { Ok(()) } else { self.group() }
+    }
+
+    /// The file is whole.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn end(mut self) -> Result<(), ParquetError> {
+        if !self.waiting.is_empty() {
+            self.group()?;
+        }
+        self.file.close().map(drop)
+    }
+
+    fn group(&mut self) -> Result<(), ParquetError> {
+        let mut group = self.file.next_row_group()?;
+        for (name, kind) in &self.columns {
             let mut column =
                 group.next_column()?.ok_or_else(|| ParquetError::General("a column too few".into()))?;
-            put(&mut column, *kind, rows.iter().map(|row| row.get(*name).filter(|value| !value.is_null())))?;
+            let values = self.waiting.iter().map(|row| row.get(name).filter(|value| !value.is_null()));
+            put(&mut column, *kind, values)?;
             column.close()?;
         }
         group.close()?;
+        self.waiting.clear();
+        Ok(())
     }
-    file.close()?;
-    Ok(())
 }
 
 /// A column: its values, and of every row whether it has one.
@@ -141,7 +189,11 @@ mod tests {
 
     fn file(rows: &[Row]) -> File {
         let mut file = tempfile::tempfile().expect("a file");
-        write(rows, &["job".into(), "not there".into()], &mut file).expect("rows");
+        let mut seen = Columns::default();
+        rows.iter().for_each(|row| seen.see(row));
+        let mut table = Table::begin(&mut file, seen, &["job".into(), "not there".into()]).expect("a table");
+        rows.iter().for_each(|row| table.push(row.clone()).expect("a row"));
+        table.end().expect("an end");
         file
     }
 
@@ -191,6 +243,27 @@ mod tests {
     fn the_same_rows_make_the_same_bytes() {
         let rows = rows(json!([{ "job": 0, "a": 0.1 }, { "job": 1, "a": 1e-300 }]));
         assert_eq!(bytes(file(&rows)), bytes(file(&rows.clone())));
+    }
+
+    #[test]
+    fn what_is_more_than_a_group_is_written_in_groups() {
+        let last = GROUP as i64 * 2;
+        let mut rows: Vec<Row> = (0..=last).map(|job| Row::from_iter([("job".into(), job.into())])).collect();
+        // What only the last row has is a column of all.
+        rows[GROUP * 2].insert("late".into(), 0.5.into());
+        let reader = SerializedFileReader::new(file(&rows)).expect("a file");
+        let groups = reader.metadata().row_groups().iter().map(|group| group.num_rows());
+        assert_eq!(groups.collect::<Vec<_>>(), [GROUP as i64, GROUP as i64, 1]);
+        let read: Vec<_> = reader.into_iter().map(|row| row.expect("a row")).collect();
+        let field =
+            |row: usize, at: usize| read[row].get_column_iter().nth(at).map(|(_, field)| field.clone());
+        assert!((0..=last).all(|job| field(job as usize, 0) == Some(Field::Long(job))));
+        assert_eq!((field(0, 1), field(GROUP * 2, 1)), (Some(Field::Null), Some(Field::Double(0.5))));
+    }
+
+    #[test]
+    fn a_table_without_rows_is_a_table() {
+        assert_eq!(SerializedFileReader::new(file(&[])).expect("a file").into_iter().count(), 0);
     }
 
     #[test]

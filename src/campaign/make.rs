@@ -99,8 +99,9 @@ fn of_run(run: &Run, status: i32, made: &Ended, scratch: &Path) -> Result<Vec<Ro
             Err(why) => why,
         },
     };
-    // What is wrong with a folder of ours is a full disk or the like.
-    if status == 0 || why.contains(&scratch.display().to_string()) {
+    // Whose arguments are refused says so. Who has nothing to print had nowhere to: a full disk or the like, as
+    // is what is wrong with a folder of ours.
+    if status == 0 || (document.is_none() && status != 2) || why.contains(&scratch.display().to_string()) {
         return Err(format!("gives no rows: {why}"));
     }
     let mut short = why;

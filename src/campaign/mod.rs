@@ -6,6 +6,7 @@ mod script;
 
 use std::{
     collections::BTreeMap,
+    io::Write,
     path::{Path, PathBuf},
     process::ExitCode,
     sync::{
@@ -170,30 +171,30 @@ fn merge(folder: &Folder, args: &CampaignArgs, quiet: bool) -> Result<ExitCode, 
             missing.len()
         )));
     }
-    let mut rows: Vec<Row> = Vec::new();
+    // Every row is read twice, and no more of them are held than a group of the table: first what is in them.
+    let mut seen = table::Columns::default();
+    let mut statuses: BTreeMap<i64, (u64, Row)> = BTreeMap::new();
+    let mut count = 0;
     for job in 0..jobs {
-        rows.extend(folder.rows(job)?);
+        for row in folder.rows(job)? {
+            seen.see(&row);
+            count += 1;
+            let status = row.get("status").and_then(Value::as_i64).unwrap_or_default();
+            statuses.entry(status).or_insert((0, row)).0 += 1;
+        }
     }
     let place = folder.table();
-    written::by_parts(&place, |file| {
-        table::write(&rows, &folder.plan.columns(), file)
-            .map_err(|error| CliError::from(CampaignError::from(error)))
-    })?;
+    written::by_parts(&place, |file| fill(folder, seen, file))?;
     folder.clear();
-    let mut statuses: BTreeMap<i64, (u64, &Row)> = BTreeMap::new();
-    for row in &rows {
-        let status = row.get("status").and_then(Value::as_i64).unwrap_or_default();
-        statuses.entry(status).or_insert((0, row)).0 += 1;
-    }
-    let refused = |count: &(u64, &Row)| count.0 == rows.len() as u64;
+    let refused = |(same, _): &(u64, Row)| *same == count;
     let nothing = statuses.get(&2).is_some_and(refused);
     if args.json {
         let counts: BTreeMap<String, u64> =
             statuses.iter().map(|(status, (count, _))| (status.to_string(), *count)).collect();
-        let document = json!({ "jobs": jobs, "rows": rows.len(), "status": counts, "table": place });
+        let document = json!({ "jobs": jobs, "rows": count, "status": counts, "table": place });
         screen::print(&format!("{document}\n"));
     } else if !quiet {
-        screen::print(&format!("{} rows of {jobs} jobs  {}\n", rows.len(), place.display()));
+        screen::print(&format!("{count} rows of {jobs} jobs  {}\n", place.display()));
         statuses.iter().filter(|(status, _)| **status != 0).for_each(|(status, (count, row))| {
             let of = |key: &str| row.get(key).and_then(Value::as_str).unwrap_or_default();
             screen::print(&format!("{count} with status {status}, such as: {}\n", of("command")));
@@ -202,4 +203,16 @@ fn merge(folder: &Folder, args: &CampaignArgs, quiet: bool) -> Result<ExitCode, 
         });
     }
     Ok(if nothing { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// The rows of all jobs into the table.
+fn fill(folder: &Folder, seen: table::Columns, file: &mut (impl Write + Send)) -> Result<(), CliError> {
+    let failed = |error| CliError::from(CampaignError::from(error));
+    let mut table = table::Table::begin(file, seen, &folder.plan.columns()).map_err(failed)?;
+    for job in 0..folder.plan.jobs() {
+        for row in folder.rows(job)? {
+            table.push(row).map_err(failed)?;
+        }
+    }
+    table.end().map_err(failed)
 }

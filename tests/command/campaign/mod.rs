@@ -7,9 +7,9 @@ use std::fs;
 
 use crate::shop::Place;
 
-/// A soak of so many seeds, four a job.
-fn soak(seeds: u64) -> String {
-    format!("command = [\"soak\", \"--seeds\", \"{{seeds}}\"]\nseeds = \"0..{seeds}\"\nper_job = 4\n")
+/// A soak of so many seeds, so many a job.
+fn soak(seeds: u64, per_job: u64) -> String {
+    format!("command = [\"soak\", \"--seeds\", \"{{seeds}}\"]\nseeds = \"0..{seeds}\"\nper_job = {per_job}\n")
 }
 
 /// The bytes of the table in a folder.

@@ -8,7 +8,7 @@ use parquet::file::reader::SerializedFileReader;
 use parquet::record::Field;
 
 use super::{made, soak, started_by, table};
-use crate::shop::{Place, example, project, signal, until};
+use crate::shop::{Answer, Place, can_be_private, example, private, project, signal, until};
 
 /// Rows of a table: names and values.
 fn rows(place: &Place, folder: &str) -> Vec<Vec<(String, Field)>> {
@@ -46,7 +46,7 @@ fn started(place: &Place, arguments: &[&str]) -> Child {
 #[test]
 fn the_table_is_the_same_however_its_jobs_are_made() {
     let place = Place::new();
-    place.write("seeds.toml", soak(24));
+    place.write("seeds.toml", soak(24, 4));
     let said = made(&place, &["seeds.toml", "--out", "whole"]);
     assert!(said.contains("24 rows of 6 jobs"), "{said}");
     // By hand: another order, one of them twice, with a folder of its own.
@@ -67,7 +67,7 @@ fn the_table_is_the_same_however_its_jobs_are_made() {
 #[test]
 fn who_is_killed_leaves_nobody_behind_and_nothing_half_made() {
     let place = Place::new();
-    place.write("seeds.toml", soak(24));
+    place.write("seeds.toml", soak(24, 4));
     made(&place, &["seeds.toml", "--out", "whole"]);
     let jobs = place.at("cut/jobs");
     let there = || fs::read_dir(&jobs).map_or(0, |entries| entries.flatten().count());
@@ -99,7 +99,7 @@ fn who_is_killed_leaves_nobody_behind_and_nothing_half_made() {
 #[test]
 fn what_was_made_of_something_else_is_refused() {
     let place = Place::new();
-    place.write("seeds.toml", soak(8));
+    place.write("seeds.toml", soak(8, 4));
     made(&place, &["seeds.toml", "--out", "made"]);
     let whole = fs::read_to_string(place.at("made/jobs/00001.json")).expect("a job");
     let refused = |text: &str, says: &str| {
@@ -120,7 +120,7 @@ fn what_was_made_of_something_else_is_refused() {
     refused(&whole.replacen("\"made_of\":\"", "\"made_of\":\"0", 1), "was made of another campaign file");
     place.write("made/jobs/00001.json", &whole);
     made(&place, &["seeds.toml", "--out", "made", "--merge"]);
-    place.write("seeds.toml", soak(8) + "# another word\n");
+    place.write("seeds.toml", soak(8, 4) + "# another word\n");
     let other = place.ask(&["campaign", "seeds.toml", "--out", "made", "--merge"]);
     assert_eq!(other.status, Some(2), "{}", other.stdout);
     assert!(other.stderr.contains("name a new folder with --out"), "{}", other.stderr);
@@ -158,10 +158,40 @@ fn what_happens_to_the_computer_is_not_kept() {
     meanwhile("changed", &changes, "has changed meanwhile");
 }
 
+/// A disk that is full at the first byte, at the last, and between: the jobs that had no room are made when there
+/// is some, and the table is that of a disk with room.
+#[test]
+fn a_full_disk_costs_jobs_and_no_rows() {
+    if !can_be_private("a_full_disk_costs_jobs_and_no_rows") {
+        return;
+    }
+    let place = Place::new();
+    place.write("seeds.toml", soak(3, 1));
+    made(&place, &["seeds.toml", "--out", "whole"]);
+    fs::create_dir(place.at("disk")).expect("a folder");
+    let mut full = 0;
+    for room in (0..=60).step_by(4) {
+        let script = format!(
+            "mount -t tmpfs -o size=256k none disk && \
+             head -c $((256 - {room}))k /dev/zero >disk/filler; \
+             \"$0\" campaign seeds.toml --out disk/made -q; echo first $?; rm disk/filler; \
+             \"$0\" campaign seeds.toml --out disk/made -q; echo then $?; cp disk/made/campaign.parquet {room}"
+        );
+        let answer = Answer::from(private(&place, &script).output().expect("sh"));
+        let said = answer.stdout + &answer.stderr;
+        full += u64::from(said.contains("first 1"));
+        assert!(said.contains("first 1") || said.contains("first 0"), "{room} kB: {said}");
+        assert!(said.contains("then 0"), "{room} kB: {said}");
+        let other = fs::read(place.at(&room.to_string())).expect("a table");
+        assert_eq!(other, table(&place, "whole"), "{room} kB: {said}");
+    }
+    assert!(full >= 3, "the disk was full {full} times");
+}
+
 #[test]
 fn a_folder_of_somebody_else_is_left_alone() {
     let place = Place::new();
-    place.write("seeds.toml", soak(4));
+    place.write("seeds.toml", soak(4, 4));
     for name in ["scratch", "jobs", "machines"] {
         fs::create_dir_all(place.at("mine").join(name)).expect("a folder");
         place.write(&format!("mine/{name}/00000.json"), "precious");
@@ -274,7 +304,7 @@ fn a_wrong_file_is_told_before_anything_is_made() {
         assert!(answer.stderr.contains(says), "{text}: {}", answer.stderr);
         assert!(!place.at("campaigns/wrong/jobs/00000.json").exists(), "{text}");
     }
-    place.write("good.toml", self::soak(8));
+    place.write("good.toml", self::soak(8, 4));
     let beyond = place.ask(&["campaign", "good.toml", "--job", "2"]);
     assert_eq!(
         (beyond.status, beyond.stderr.contains("the jobs 0 to 1")),
@@ -299,7 +329,7 @@ fn the_campaigns_of_the_examples_are_some() {
 #[test]
 fn a_script_names_the_jobs_that_are_not_done() {
     let place = Place::new();
-    place.write("it's.toml", soak(16));
+    place.write("it's.toml", soak(16, 4));
     made(&place, &["it's.toml", "--job", "1"]);
     let script = made(&place, &["it's.toml", "--slurm"]);
     assert!(script.contains("#SBATCH --array=0,2-3\n"), "{script}");
