@@ -13,7 +13,7 @@
 //! switch begins by backing off; one that has an index alone begins with the last way.
 
 use machine::{AxisConfig, BEYOND_MM, Machine, Method, ReferenceConfig, TURNS};
-use protocol::{Axis, Cycle, Fault, Feed, Measurement, PerAxis, Position};
+use protocol::{Axis, AxisReference, Cycle, Fault, Feed, Measurement, PerAxis, Position};
 
 use crate::hand::Jog;
 
@@ -47,6 +47,8 @@ struct Run {
     from: Position,
     /// Indexes that had been passed then.
     indexes: u32,
+    /// Switch and index as they were when it came: behind it the axis brakes, and may pass the next index.
+    marks: AxisReference,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +98,23 @@ impl References {
         self.run.is_some()
     }
 
+    /// Whether an axis that is not referenced would go further onto its switch: there its travel ends.
+    pub(crate) fn ends_at_switch(
+        &self,
+        machine: &Machine,
+        measurement: &Measurement,
+        [here, to]: [&PerAxis<Position>; 2],
+    ) -> bool {
+        let goes_on = |(axis, config): (Axis, &AxisConfig)| {
+            let i = axis.index();
+            let has_switch = |reference: &ReferenceConfig| reference.method != Method::Index;
+            let reference = config.reference.filter(has_switch).filter(|_| self.open >> i & 1 != 0);
+            let onto = |reference: ReferenceConfig| reference.way() * to[i].mm_from(here[i]) > 0.0;
+            measurement.axes[i].is_switched() && reference.is_some_and(onto)
+        };
+        machine.axes().any(goes_on)
+    }
+
     /// What of the way in hand is a jog.
     pub(crate) fn jog(&self) -> Option<Jog> {
         let run = self.run.filter(|run| run.phase != Phase::Home)?;
@@ -121,7 +140,9 @@ impl References {
     pub(crate) fn look(&mut self, machine: &Machine, measurement: &Measurement) {
         let Some(run) = &mut self.run else { return };
         let Some(reference) = machine.axis.get(&run.axis).and_then(|config| config.reference) else { return };
-        run.came |= run.under_way && run.comes(&reference, measurement);
+        if run.under_way && !run.came && run.comes(&reference, measurement) {
+            (run.came, run.marks) = (true, measurement.references[run.axis.index()]);
+        }
     }
 
     /// What is next of the run in hand. The axes rest here.
@@ -152,7 +173,7 @@ impl References {
                 *run = Run { from: backed_off, ..Run::anew(axis, Phase::Latch) };
             }
             (Phase::Latch, true, true) => {
-                return match sets(config, &reference, measurement, axis) {
+                return match sets(config, &reference, &run.marks) {
                     Ok(offset) => Then::Sets(axis, offset),
                     Err(fault) => Then::Fails(axis, fault),
                 };
@@ -184,7 +205,8 @@ impl References {
 
 impl Run {
     fn anew(axis: Axis, phase: Phase) -> Run {
-        Run { axis, phase, came: false, under_way: false, from: Position(0), indexes: 0 }
+        let marks = AxisReference::default();
+        Run { axis, phase, came: false, under_way: false, from: Position(0), indexes: 0, marks }
     }
 
     /// Whether what the phase waits for is there.
@@ -196,7 +218,8 @@ impl Run {
             (Phase::Latch, Method::Index) => measured.indexes() != self.indexes,
             (Phase::Latch, Method::SwitchAndIndex) => {
                 let passed = measured.indexes() != self.indexes;
-                measured.is_switched() && passed && behind_mm(reference, measurement, self.axis) > 0.0
+                let marks = &measurement.references[self.axis.index()];
+                measured.is_switched() && passed && behind_mm(reference, marks) > 0.0
             }
             (Phase::Home, _) => false,
         }
@@ -243,22 +266,16 @@ impl Phase {
 }
 
 /// How far the last index lies behind where the switch went on, in the direction of the search, mm.
-fn behind_mm(reference: &ReferenceConfig, measurement: &Measurement, axis: Axis) -> f64 {
-    let marks = &measurement.references[axis.index()];
+fn behind_mm(reference: &ReferenceConfig, marks: &AxisReference) -> f64 {
     marks.indexed_at.mm_from(marks.switched_at) * reference.way()
 }
 
-/// The offset that makes the latched position what it is known to be.
+/// The offset that makes the latched position what it is known to be. The first index behind the switch
+/// counts, and the one that was latched is the last of those that one look found: one comes with every turn.
 ///
 /// # Errors
 /// The switch does not tell one index from the next.
-fn sets(
-    config: &AxisConfig,
-    reference: &ReferenceConfig,
-    measurement: &Measurement,
-    axis: Axis,
-) -> Result<Position, Fault> {
-    let marks = &measurement.references[axis.index()];
+fn sets(config: &AxisConfig, reference: &ReferenceConfig, marks: &AxisReference) -> Result<Position, Fault> {
     let (known, lead_mm) = (Position::from_mm(reference.position_mm), config.screw_lead_mm);
     let off_mm = match reference.method {
         // The slide is at its switch, and its nut on the flank that it came by: half the backlash behind the
@@ -268,11 +285,12 @@ fn sets(
             known.mm_from(marks.switched_at) + reference.way() * behind_mm
         }
         Method::SwitchAndIndex => {
-            let turn = behind_mm(reference, measurement, axis) / lead_mm;
-            if !(TOO_NEAR..=1.0 - TOO_NEAR).contains(&turn) {
+            let turns = behind_mm(reference, marks) / lead_mm;
+            let more = turns.floor();
+            if !(TOO_NEAR..=1.0 - TOO_NEAR).contains(&(turns - more)) {
                 return Err(Fault::IndexTooNear);
             }
-            known.mm_from(marks.indexed_at)
+            known.mm_from(marks.indexed_at) + reference.way() * more * lead_mm
         }
         Method::Index => {
             let off_mm = known.mm_from(marks.indexed_at);

@@ -99,6 +99,11 @@ impl Travel {
         &self.here
     }
 
+    /// Where the run in hand leads, or where the axes rest.
+    pub(crate) fn end(&self) -> PerAxis<Position> {
+        self.run.end(&self.here)
+    }
+
     /// The cycle from which on each axis has been led nowhere else: a later status tells that it is there.
     pub(crate) fn since(&self) -> &PerAxis<Cycle> {
         &self.since

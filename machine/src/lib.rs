@@ -357,9 +357,13 @@ fn units(text: &str) -> Result<(), MachineError> {
     for (name, keys) in axes {
         let (Some(axis), Some(keys)) = (Axis::from_name(name), keys.as_table()) else { continue };
         let (own, other) = if axis.is_rotary() { ("deg", "mm") } else { ("mm", "deg") };
-        if let Some((key, value)) = keys.iter().find(|(key, _)| key.split('_').any(|word| word == other)) {
-            let reason = format!("{axis} is measured in {own}: write {}", key.replace(other, own));
-            return Err(refuse(&format!("axis.{name}.{key}"), spelled(value), &reason));
+        let tables = keys.iter().filter_map(|(key, value)| Some((format!("{key}."), value.as_table()?)));
+        for (table, keys) in std::iter::once((String::new(), keys)).chain(tables) {
+            let wrong = |(key, _): &(&String, &toml::Value)| key.split('_').any(|word| word == other);
+            if let Some((key, value)) = keys.iter().find(wrong) {
+                let reason = format!("{axis} is measured in {own}: write {}", key.replace(other, own));
+                return Err(refuse(&format!("axis.{name}.{table}{key}"), spelled(value), &reason));
+            }
         }
     }
     Ok(())

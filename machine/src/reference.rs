@@ -9,7 +9,7 @@ use motion::Exit;
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
-use super::{AxisConfig, General, MachineError, axis::key, range, refuse};
+use super::{AxisConfig, General, Machine, MachineError, axis::key, range, refuse};
 
 /// Behind where a switch must have changed by all that is believed, the axis goes on so far in vain, mm.
 pub const BEYOND_MM: f64 = 10.0;
@@ -51,10 +51,51 @@ pub enum Method {
     Index,
 }
 
+impl Method {
+    /// For people.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Method::Switch => "switch",
+            Method::SwitchAndIndex => "switch and index",
+            Method::Index => "index",
+        }
+    }
+}
+
+impl Machine {
+    /// The reference runs that a program begins with, in their order.
+    pub fn reference_runs(&self) -> Vec<(Axis, ReferenceConfig)> {
+        let has = |(axis, config): (Axis, &AxisConfig)| Some((axis, config.reference?));
+        let mut runs: Vec<_> = self.axes().filter_map(has).collect();
+        runs.sort_by_key(|(axis, reference)| (reference.sequence, *axis));
+        runs
+    }
+}
+
 impl ReferenceConfig {
     /// Direction of the search, ±1.
     pub fn way(&self) -> f64 {
         self.search_mm_s.signum()
+    }
+
+    /// Where an axis with an index alone may stand and make its run within its travel, mm: it stands up to
+    /// half a turn elsewhere than it believes, and its way is up to a turn and what it brakes in.
+    pub fn run_begins_within(&self, config: &AxisConfig, general: &General) -> [f64; 2] {
+        let [low, high] = config.travel_mm;
+        let (half, way_mm) = (
+            0.5 * config.screw_lead_mm,
+            config.screw_lead_mm + self.brakes_mm(self.latch_mm_s, config, general),
+        );
+        match self.way() > 0.0 {
+            true => [low + half, high - half - way_mm],
+            false => [low + half + way_mm, high - half],
+        }
+    }
+
+    /// How far an axis goes on at this speed when switch or index come, mm.
+    fn brakes_mm(&self, speed: f64, config: &AxisConfig, general: &General) -> f64 {
+        let reacts_s = REACTS_TICKS * general.interpolator_cycle_s;
+        speed * (reacts_s + 0.5 * Exit::stop_s(speed, 0.0, &config.limits()))
     }
 
     pub(super) fn check(
@@ -69,39 +110,38 @@ impl ReferenceConfig {
         range(&key("search_mm_s"), self.search_mm_s, -config.velocity_mm_s, config.velocity_mm_s)?;
         let search = self.search_mm_s.abs();
         if search == 0.0 {
-            return Err(refuse(
-                &key("search_mm_s"),
-                0,
-                "must not be 0: its sign is the direction of the search",
-            ));
+            let reason = "must not be 0: its sign is the direction of the search";
+            return Err(refuse(&key("search_mm_s"), 0, reason));
         }
-        // No two indexes in one tick.
-        let fastest = search.min(0.1 * config.screw_lead_mm / general.interpolator_cycle_s);
-        range(&key("latch_mm_s"), self.latch_mm_s, 1e-3, fastest)?;
+        range(&key("latch_mm_s"), self.latch_mm_s, 1e-3, search)?;
         range(&key("sequence"), f64::from(self.sequence), 0.0, 1000.0)?;
-        let reacts_s = REACTS_TICKS * general.interpolator_cycle_s;
-        let brakes = |speed: f64| speed * (reacts_s + 0.5 * Exit::stop_s(speed, 0.0, &config.limits()));
-        let end = if self.way() > 0.0 { high } else { low };
-        if self.method == Method::Index {
-            let (takes_mm, left) =
-                (config.screw_lead_mm + brakes(self.latch_mm_s), (end - config.home_mm).abs());
-            let reason = format!(
-                "from home_mm the next index may be a whole turn away, {takes_mm:.3} with the way to brake, and the end of \
-                 its travel is {left:.3} away: search the other way, or move home_mm"
-            );
-            let has_room = left >= takes_mm;
-            return if has_room {
-                Ok(())
-            } else {
-                Err(refuse(&key("search_mm_s"), self.search_mm_s, &reason))
+        let (ahead, back) = if self.way() > 0.0 { (high, low) } else { (low, high) };
+        let brakes_mm = self.brakes_mm(search, config, general);
+        let (way_mm, left, reason) = if self.method == Method::Index {
+            let way_mm = config.screw_lead_mm + self.brakes_mm(self.latch_mm_s, config, general);
+            (way_mm, (ahead - config.home_mm).abs(), "from home_mm the next index may be a whole turn away")
+        } else if (ahead - self.position_mm).abs() < brakes_mm {
+            (
+                brakes_mm,
+                (ahead - self.position_mm).abs(),
+                "an axis that searches so fast stands behind its switch",
+            )
+        } else {
+            let before = if self.method == Method::Switch { 0.0 } else { config.screw_lead_mm };
+            (
+                before + brakes_mm,
+                (back - self.position_mm).abs(),
+                "an axis that backs off stands before its switch",
+            )
+        };
+        if left < way_mm {
+            let unit = if axis.is_rotary() { "°" } else { "mm" };
+            let remedy = match self.method {
+                Method::Index => "search the other way, or move home_mm",
+                _ => "search more slowly, or move the switch",
             };
-        }
-        let brakes_mm = brakes(search);
-        let left = (end - self.position_mm).abs();
-        if left < brakes_mm {
             let reason = format!(
-                "an axis that searches so fast stands {brakes_mm:.3} behind its switch, and the end of its travel \
-                 is {left:.3} behind it: search more slowly, or move the switch"
+                "{reason}, {way_mm:.3} {unit} with the way to brake, and its travel ends after {left:.3} {unit}: {remedy}"
             );
             return Err(refuse(&key("search_mm_s"), self.search_mm_s, &reason));
         }

@@ -29,7 +29,8 @@
 //! U(θ) = Σ T sin(n_g 2π θ + φ)/sinc²(n_g/256),   sinc u = sin(π u)/(π u)                            (M133)
 //! ```
 //! Between two places it is in proportion, which makes a sine smaller by sinc². It is fed forward wholly
-//! until something is learned, and for good where nothing shall be.
+//! until something is learned, and for good where nothing shall be; of an axis with a reference run not
+//! before that run, since nobody knows where in its turn the motor stands.
 //!
 //! It is learned while the axis moves evenly, and slowly enough that every place is seen. It is fed forward,
 //! at any speed, by how much it explains of the torque over the last turns: all from four fifths on, nothing
@@ -112,7 +113,7 @@ impl Learning {
         }
         let half = ((LOOK_S / cycle_s).round() as usize).clamp(1, WIDEST);
         let places = believed(&config.cogging);
-        Some(Learning {
+        let mut learning = Learning {
             places,
             mean_nm: 0.0,
             looks: [Look::default(); 2 * WIDEST + 1],
@@ -133,7 +134,11 @@ impl Learning {
             believed: places,
             left: 0.0,
             bare: places.iter().map(|nm| nm * nm).sum::<f64>() / PLACES as f64,
-        })
+        };
+        if config.reference.is_some() {
+            learning.forget();
+        }
+        Some(learning)
     }
 
     /// Takes where the motor stands in a cycle, mm, and what its drive gives, N·m; and the acceleration

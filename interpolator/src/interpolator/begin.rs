@@ -40,7 +40,12 @@ impl Interpolator {
         } else {
             let panel = &self.panel;
             let known = (self.travel.blocks(), self.stands());
-            match self.program.next(panel, &mut self.spindle, self.travel.route(), known) {
+            let next = self.program.next(panel, &mut self.spindle, self.travel.route(), known);
+            if matches!(next, Next::Move(_)) {
+                self.ends_jog_at_switch(measurement);
+            }
+            let panel = &self.panel;
+            match next {
                 Next::Nothing | Next::Standstill => Event::Waits(Wait::No),
                 Next::Impossible => Event::refused(Fault::BadMachineCode, cycle),
                 Next::Held => {

@@ -193,6 +193,7 @@ impl Interpolator {
         self.panel.buttons |= ended;
         self.hand.look(&self.panel);
         self.references.look(&self.machine, measurement);
+        self.ends_jog_at_switch(measurement);
         self.heard.take(&self.machine, input.axes, measurement.cycle);
         let leaves = matches!(self.task, Task::Leaving { .. });
         self.vary(leaves);

@@ -2,7 +2,7 @@
 //! setpoints and the event of a tick. Its ways are timed motion like any other: hold, stop, overrides, faults
 //! and limits act on them.
 
-use protocol::{Axis, Code, Cycle, Fault, Measurement, PerAxis, Position, Setpoint};
+use protocol::{Axis, Code, Cycle, Fault, Item, Measurement, PerAxis, Position, Setpoint};
 
 use crate::{
     axes::Axes,
@@ -62,6 +62,22 @@ impl Interpolator {
     /// Whether nobody knows where the axes are: only a jog moves them then.
     pub(crate) fn is_lost(&self) -> bool {
         self.references.open() != 0 && self.hand.jog == Jog::No
+    }
+
+    /// A jog of an axis of which nobody knows where it is ends at its switch, and one that stands on it goes
+    /// no further.
+    pub(crate) fn ends_jog_at_switch(&mut self, measurement: &Measurement) {
+        if self.hand.jog != Jog::Pressed {
+            return;
+        }
+        let to = match self.program.queue.in_hand() {
+            Some(Item { code: Code::Line { target, .. }, .. }) => *target,
+            _ => self.travel.end(),
+        };
+        let way = [self.travel.here(), &to];
+        if self.references.ends_at_switch(&self.machine, measurement, way) {
+            self.hand.jog = Jog::LetGo;
+        }
     }
 
     /// The drive of an axis has taken its offset, and its regulator is led from there.

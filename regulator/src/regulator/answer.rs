@@ -23,7 +23,7 @@ impl Regulator {
             target_velocity_mm_s: command.target_velocity_mm_s,
             velocity_offset_mm_s: command.velocity_offset_mm_s,
             torque_offset_nm: command.torque_offset_nm,
-            home_offset: self.home_offset,
+            home_offset: self.home_offset.unwrap_or_default(),
         };
         let turning = self.compensation.as_ref().is_some_and(Compensation::is_turning);
         let still = now.v == 0.0 && now.a == 0.0 && !turning;

@@ -94,9 +94,10 @@ pub struct Regulator {
     line: u32,
     refused: u32,
     last: Sample,
-    /// The offset that the drive is told, and the one that measurements have.
-    home_offset: Position,
-    shown_offset: Position,
+    /// The offset that the drive is told, and the one that was taken from a measurement; none before a
+    /// reference run.
+    home_offset: Option<Position>,
+    taken_offset: Option<Position>,
     answered: Out,
 }
 
@@ -139,8 +140,8 @@ impl Regulator {
             line: 0,
             refused: 0,
             last: Sample::default(),
-            home_offset: Position(0),
-            shown_offset: Position(0),
+            home_offset: None,
+            taken_offset: None,
             answered: Out::default(),
         }
     }

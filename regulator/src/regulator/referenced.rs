@@ -15,20 +15,20 @@ impl Regulator {
     pub(super) fn is_referenced(&mut self, home_offset: Position) -> bool {
         let rests = matches!(self.state, State::Streaming) && self.last.v == 0.0 && self.last.a == 0.0;
         if rests {
-            self.home_offset = home_offset;
+            self.home_offset = Some(home_offset);
         }
         rests
     }
 
-    /// The measurement of a cycle has another offset than the one before.
+    /// The measurement of a cycle has the offset that was asked for, be it 0: from now on the place of the
+    /// axis is known.
     pub(super) fn take_offset(&mut self, measurement: &Measurement) {
         let shown = measurement.references[self.axis].home_offset;
         // One that it has not asked for is no offset: positions jump then, which is seen as such.
-        if shown == self.shown_offset || shown != self.home_offset {
+        if self.taken_offset == Some(shown) || self.home_offset != Some(shown) {
             return;
         }
-        let moved_mm = shown.mm_from(self.shown_offset);
-        self.shown_offset = shown;
+        let moved_mm = shown.mm_from(self.taken_offset.replace(shown).unwrap_or_default());
         let now_mm = self.measured_mm(measurement);
         // A compensation of the screw is another one there.
         let way_mm = match (&self.compensation, self.scales[self.axis]) {

@@ -10,10 +10,10 @@ use sim_plant::Scenario;
 
 use crate::stand::{compiled, pressed};
 
-const PLAIN: &str = include_str!("../../../examples/machines/plain-lathe.toml");
+pub(crate) const PLAIN: &str = include_str!("../../../examples/machines/plain-lathe.toml");
 const SMALL: &str = include_str!("../../../examples/machines/small-lathe.toml");
 /// The first block is given in this cycle: the machine waits for it.
-const GIVEN: u64 = 200;
+pub(crate) const GIVEN: u64 = 200;
 /// Behind every reference run here, control cycles.
 const LATEST: u64 = 60_000;
 /// How far beside home X truly is when the machine is switched on, mm.
@@ -22,12 +22,12 @@ const OFF_MM: f64 = -0.737;
 const SCATTER_MM: f64 = 0.002;
 
 /// The plain lathe, its X with a reference near the upper end of its travel.
-fn lathe(method: Method, truth: &str) -> Machine {
+pub(crate) fn lathe(method: Method, truth: &str) -> Machine {
     made_of(PLAIN, method, "", truth)
 }
 
 /// A lathe of `examples/machines` with that and these keys of X: believed, and true.
-fn made_of(lathe: &str, method: Method, believed: &str, truth: &str) -> Machine {
+pub(crate) fn made_of(lathe: &str, method: Method, believed: &str, truth: &str) -> Machine {
     let method = match method {
         Method::Switch => "switch",
         Method::SwitchAndIndex => "switch-and-index",
@@ -46,7 +46,7 @@ fn made_of(lathe: &str, method: Method, believed: &str, truth: &str) -> Machine 
 }
 
 /// Where the axes are led before anything is given.
-fn begins(machine: &Machine, seed: u64) -> PerAxis<Position> {
+pub(crate) fn begins(machine: &Machine, seed: u64) -> PerAxis<Position> {
     let mut rig = Rig::new(machine, session([]).into_iter(), Scenario::none(), seed).expect("a machine");
     let mut at = PerAxis::default();
     for _ in 0..GIVEN {
@@ -59,13 +59,13 @@ fn begins(machine: &Machine, seed: u64) -> PerAxis<Position> {
     at
 }
 
-fn session(codes: impl IntoIterator<Item = Code>) -> Vec<Item> {
+pub(crate) fn session(codes: impl IntoIterator<Item = Code>) -> Vec<Item> {
     let codes = std::iter::once(Code::ByHand(ByHand::Waits)).chain(codes);
     codes.chain([Code::End]).map(|code| Item { line: 1, code }).collect()
 }
 
 /// A session of one reference run of X.
-fn homing(machine: &Machine, seed: u64) -> Vec<Item> {
+pub(crate) fn homing(machine: &Machine, seed: u64) -> Vec<Item> {
     let at = begins(machine, seed);
     session([
         Code::ByHand(ByHand::Begins { at, jogs: false }),
@@ -76,17 +76,17 @@ fn homing(machine: &Machine, seed: u64) -> Vec<Item> {
 
 /// What is seen of X in a cycle.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+pub(crate) struct Seen {
     /// Where its motor truly is, mm, and how far beside that it is measured.
-    motor_mm: f64,
-    off_mm: f64,
-    commanded_mm: f64,
-    speed_mm_s: f64,
-    error_mm: f64,
-    state: MachineState,
-    fault: u32,
-    open: bool,
-    on: bool,
+    pub(crate) motor_mm: f64,
+    pub(crate) off_mm: f64,
+    pub(crate) commanded_mm: f64,
+    pub(crate) speed_mm_s: f64,
+    pub(crate) error_mm: f64,
+    pub(crate) state: MachineState,
+    pub(crate) fault: u32,
+    pub(crate) open: bool,
+    pub(crate) on: bool,
 }
 
 impl Seen {
@@ -109,13 +109,13 @@ impl Seen {
     }
 
     /// By hand, at rest.
-    fn waits(&self) -> bool {
+    pub(crate) fn waits(&self) -> bool {
         self.state == MachineState::ByHand && self.speed_mm_s == 0.0
     }
 }
 
 /// A session with these presses up to where nothing moves any more.
-fn run(
+pub(crate) fn run(
     machine: &Machine,
     items: &[Item],
     presses: &[(u64, Request)],
@@ -143,7 +143,7 @@ fn run(
 }
 
 /// Cycles in which something new begins: way, phase, offset.
-fn borders(seen: &[Seen]) -> Vec<u64> {
+pub(crate) fn borders(seen: &[Seen]) -> Vec<u64> {
     let sign = |seen: &Seen| (seen.speed_mm_s.signum() * f64::from(u8::from(seen.speed_mm_s != 0.0))) as i8;
     let differs =
         |two: &[Seen]| sign(&two[0]) != sign(&two[1]) || two[0].open != two[1].open || two[0].on != two[1].on;
@@ -153,7 +153,7 @@ fn borders(seen: &[Seen]) -> Vec<u64> {
 
 /// What holds of every run, whatever happens: no place beyond the travel, no position that is believed and
 /// wrong by more than `most_mm`, no step but that of the offset, which no servo notices, at the end at rest.
-fn holds(machine: &Machine, seen: &[Seen], most_mm: f64, what: &str) {
+pub(crate) fn holds(machine: &Machine, seen: &[Seen], most_mm: f64, what: &str) {
     let [low, high] = machine.axis[&Axis::X].travel_mm;
     for (cycle, now) in seen.iter().enumerate() {
         assert!((low..=high).contains(&now.motor_mm), "{what}: {cycle}: {now:?}");
@@ -172,14 +172,14 @@ fn holds(machine: &Machine, seen: &[Seen], most_mm: f64, what: &str) {
 }
 
 /// A count of the motor of X, mm.
-fn count_mm(machine: &Machine) -> f64 {
+pub(crate) fn count_mm(machine: &Machine) -> f64 {
     let x = &machine.axis[&Axis::X];
     x.screw_lead_mm / f64::from(x.encoder_counts)
 }
 
 /// What a method may be wrong by: a count of an index; of a switch what it repeats, and how the slide, at
 /// which it is, stands beside the motor.
-fn most_mm(machine: &Machine, method: Method) -> f64 {
+pub(crate) fn most_mm(machine: &Machine, method: Method) -> f64 {
     if method == Method::Switch { SCATTER_MM + 0.004 } else { count_mm(machine) }
 }
 

@@ -1,6 +1,6 @@
 //! `[plant.axis.*]`: what is true of an axis. In: its table. Out: checked values in the units of their names.
 
-use machine::AxisConfig;
+use machine::{AxisConfig, Method, ReferenceConfig};
 use serde::Deserialize;
 
 use super::{PlantError, range};
@@ -20,6 +20,9 @@ pub(crate) struct Facts {
     pub(crate) encoder_counts: u32,
     /// Where the slide truly stands when the controller takes it to be at home, mm.
     pub(crate) home_mm: f64,
+    /// Where it is home as the magnets of the motor lie to the machine, mm: an encoder that is believed from
+    /// the start has been set there, and whoever makes a reference run may be switched on anywhere.
+    pub(crate) magnets_home_mm: f64,
     /// Step of the scale, mm, if there is one.
     pub(crate) scale_step_mm: Option<f64>,
     /// Limit of the drive's torque, as the drive believes its torque, N·m.
@@ -222,12 +225,38 @@ impl AxisTrain {
         Ok(())
     }
 
+    /// What is said of switch and index is said of such as the axis has.
+    pub(super) fn check_marks(
+        &self,
+        section: &str,
+        reference: Option<&ReferenceConfig>,
+    ) -> Result<(), PlantError> {
+        use ReferenceFault::{NoIndex, SwitchClosed, SwitchOpen};
+        let method = reference.map(|reference| reference.method);
+        let has_switch = matches!(method, Some(Method::Switch | Method::SwitchAndIndex));
+        let has_index = matches!(method, Some(Method::Index | Method::SwitchAndIndex));
+        let dead_switch = matches!(self.reference_fault, Some(SwitchOpen | SwitchClosed));
+        for (name, is_given, is_there, mark) in [
+            ("switch_mm", self.switch_mm.is_some(), has_switch, "switch"),
+            ("index_mm", self.index_mm.is_some(), has_index, "index"),
+            ("reference_fault", dead_switch, has_switch, "switch"),
+            ("reference_fault", self.reference_fault == Some(NoIndex), has_index, "index"),
+        ] {
+            if is_given && !is_there {
+                return Err(PlantError::NoSuchMark { key: format!("{section}.{name}"), mark });
+            }
+        }
+        Ok(())
+    }
+
     /// What is true where a controller believes this.
     pub(crate) fn facts(&self, belief: &AxisConfig) -> Facts {
+        let home_mm = belief.home_mm + self.home_off_mm;
         Facts {
             screw_lead_mm: self.screw_lead_mm.unwrap_or(belief.screw_lead_mm),
             encoder_counts: self.encoder_counts.unwrap_or(belief.encoder_counts),
-            home_mm: belief.home_mm + self.home_off_mm,
+            home_mm,
+            magnets_home_mm: if belief.reference.is_some() { belief.home_mm } else { home_mm },
             scale_step_mm: belief.scale_step_mm.map(|step_mm| self.scale_step_mm.unwrap_or(step_mm)),
             torque_limit_nm: self.torque_limit_nm.unwrap_or(belief.torque_limit_nm),
         }

@@ -34,6 +34,17 @@ pub enum PlantError {
         /// What is allowed, and why.
         reason: String,
     },
+    /// A key of a switch or an index that the axis is not referenced by.
+    #[error(
+        "{key}: the axis is not referenced by any {mark}: choose a method of its [axis.*.reference] that is, or remove \
+         this key"
+    )]
+    NoSuchMark {
+        /// Path of the key.
+        key: String,
+        /// `switch` or `index`.
+        mark: &'static str,
+    },
     /// A section for an axis that the machine does not have.
     #[error("[plant.axis.{0}]: the machine has no [axis.{0}]; add it or remove this section")]
     NoSuchAxis(&'static str),
@@ -167,6 +178,7 @@ impl PlantConfig {
             let belief = machine.axis.get(axis).ok_or(PlantError::NoSuchAxis(axis.name()))?;
             let section = format!("plant.axis.{}", axis.name());
             train.check(&section)?;
+            train.check_marks(&section, belief.reference.as_ref())?;
             if let (Some(value), None) = (train.scale_step_mm, belief.scale_step_mm) {
                 let reason = format!("the axis has no scale: [axis.{}] has no scale_step_mm", axis.name());
                 return Err(PlantError::Value { key: format!("{section}.scale_step_mm"), value, reason });

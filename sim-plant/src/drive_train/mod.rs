@@ -128,7 +128,9 @@ impl DriveTrain {
         let (screw_viscous, slide_viscous) =
             (train.screw_viscous_n_s_mm * 1e3, train.slide_viscous_n_s_mm * 1e3);
         let drawn = seed.fraction();
-        let phase = train.cogging_deg.map_or(drawn, |degrees| degrees / 360.0);
+        let at_home = train.cogging_deg.map_or(drawn, |degrees| degrees / 360.0);
+        let off = (facts.home_mm - facts.magnets_home_mm) / screw_lead_mm;
+        let phase = at_home + f64::from(train.cogging_per_rev) * off;
         let cogging = Cogging::new(train.cogging_nm, train.cogging_per_rev, turns, phase);
         let magnets = cogging.map_or(0.0, |cogging| cogging.stiffness());
         for (key, pair, springs, dashpots, kg) in [
