@@ -2,7 +2,6 @@
 //! them. Out: a list that is drawn again and again, or one document.
 
 use std::{
-    fmt::Write as _,
     io::IsTerminal as _,
     path::{Path, PathBuf},
     process::ExitCode,
@@ -11,7 +10,7 @@ use std::{
 use clap::Args;
 use process::{
     ipc::time::Moment,
-    link::{Said, Watch, Watched},
+    link::{Said, Watch, Watched, shown},
 };
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -157,20 +156,37 @@ impl Hall {
         json!({ "hall": self.name, "machines": self.machines.iter().zip(all).map(machine).collect::<Vec<_>>() })
     }
 
-    /// The list, as it is drawn.
-    fn drawn(&self, all: &[Watched]) -> String {
+    /// The list, as it is drawn, in so many columns and lines of a terminal, if it is one. If there are more
+    /// machines, those with faults come first, then those that do not answer.
+    fn drawn(&self, all: &[Watched], room: Option<(u16, u16)>) -> String {
+        let mut machines: Vec<_> = self.machines.iter().map(|(name, _)| name).zip(all).collect();
+        // Without the head of the page and of the list, and the line behind all.
+        let most = room.map_or(usize::MAX, |(_, lines)| usize::from(lines).saturating_sub(3).max(2));
+        let mut folded = Vec::new();
+        if machines.len() > most {
+            machines.sort_by_key(|(_, watched)| urgency(watched));
+            folded = machines.split_off(most - 1);
+        }
         let mut rows =
             vec![["machine", "does", "program", "line", "passes", "time", "faults"].map(str::to_owned)];
-        rows.extend(self.machines.iter().zip(all).map(|((name, _), watched)| row(name, watched)));
+        rows.extend(machines.into_iter().map(|(name, watched)| row(name, watched)));
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..7).map(width).collect();
         let silent = all.iter().filter(|watched| !answers(watched)).count();
-        let mut text = format!("{}: {} machines, {silent} do not answer\n", self.name, all.len());
-        for row in &rows {
+        let mut lines = vec![format!("{}: {} machines, {silent} do not answer", line(&self.name), all.len())];
+        lines.extend(rows.iter().map(|row| {
             let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
-            let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
+            cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        }));
+        if !folded.is_empty() {
+            let with = folded.iter().filter(|(_, watched)| urgency(watched) == Urgency::Faults).count();
+            let with = if with > 0 { format!(", {with} of them with faults") } else { String::new() };
+            lines.push(format!("and {} more{with}", folded.len()));
         }
-        text
+        let columns = room.map_or(usize::MAX, |(columns, _)| columns.into());
+        lines
+            .iter()
+            .fold(String::new(), |text, line| text + &line.chars().take(columns).collect::<String>() + "\n")
     }
 }
 
@@ -178,6 +194,28 @@ impl Hall {
 /// time in which nobody looked is of before that time.
 fn answers(watched: &Watched) -> bool {
     watched.silent_s.max(watched.age_s) < SILENT_S && watched.seen.is_some() && watched.why.is_none()
+}
+
+/// What is seen first.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+enum Urgency {
+    Faults,
+    Silent,
+    None,
+}
+
+fn urgency(watched: &Watched) -> Urgency {
+    let faults = watched.seen.as_ref().and_then(|seen| seen["faults"].as_array());
+    match faults.is_some_and(|faults| !faults.is_empty()) {
+        true => Urgency::Faults,
+        false if !answers(watched) => Urgency::Silent,
+        false => Urgency::None,
+    }
+}
+
+/// A text of somebody else in one line.
+fn line(text: &str) -> String {
+    shown(text.lines().next().unwrap_or_default())
 }
 
 /// A machine in the list.
@@ -206,7 +244,7 @@ fn row(name: &str, watched: &Watched) -> [String; 7] {
     let time = seen["time_s"].as_f64().map(|seconds| format!("{seconds:.1} s")).unwrap_or_default();
     let faults = seen["faults"].as_array().into_iter().flatten().filter_map(|fault| fault["code"].as_str());
     let faults = faults.collect::<Vec<_>>().join(", ");
-    [name.to_owned(), does, text("program"), number("line"), passes, time, faults]
+    [name.to_owned(), does, text("program"), number("line"), passes, time, faults].map(|cell| line(&cell))
 }
 
 /// Shows a hall.
@@ -241,14 +279,14 @@ pub(crate) fn hall(args: &HallArgs) -> Result<ExitCode, CliError> {
         }
         if !once {
             // The list from the first line on, and nothing of the one before.
-            screen::print(&format!("\u{1b}[H\u{1b}[J{}", hall.drawn(&all)));
+            screen::print(&format!("\u{1b}[H\u{1b}[J{}", hall.drawn(&all, terminal::size())));
         }
     }
     link.end();
     if !once {
         return Ok(ExitCode::SUCCESS);
     }
-    screen::print(&if args.json { format!("{}\n", hall.document(&all)) } else { hall.drawn(&all) });
+    screen::print(&if args.json { format!("{}\n", hall.document(&all)) } else { hall.drawn(&all, None) });
     Ok(if all.iter().all(answers) { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
@@ -299,7 +337,7 @@ mod tests {
             Watched { seen: Some(json!({ "mode": "off" })), silent_s: 4.2, ..Watched::default() },
             other,
         ];
-        let text = hall.drawn(&all);
+        let text = hall.drawn(&all, None);
         let lines: Vec<_> =
             text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
         assert_eq!(lines[0], "hall: 3 machines, 2 do not answer");
@@ -311,5 +349,52 @@ mod tests {
         assert_eq!(document["machines"][1]["answers"], false);
         let of_before = Watched { seen: Some(seen), age_s: 17.0, ..Watched::default() };
         assert_eq!(hall.document(&[of_before])["machines"][0]["answers"], false);
+    }
+
+    #[test]
+    fn more_machines_than_lines_are_folded_and_faults_come_first() {
+        let entry = |number: usize| format!("[[machine]]\nname = \"m{number}\"\nat = \"b:{}\"\n", number + 1);
+        let text: String = (0..20).map(entry).collect();
+        let hall = Hall::of(&format!("[hall]\nkey = \"k\"\n{text}"), "hall", Path::new("")).expect("a hall");
+        let mut all =
+            vec![Watched { seen: Some(json!({ "mode": "off", "faults": [] })), ..Watched::default() }; 20];
+        assert_eq!(hall.drawn(&all, Some((80, 23))).lines().count(), 22, "all of them have room");
+        all[17].seen = Some(json!({ "mode": "fault", "faults": [{ "code": "servo-error" }] }));
+        all[12].silent_s = 9.0;
+        let drawn = |lines: u16| {
+            let text = hall.drawn(&all, Some((24, lines)));
+            assert!(text.lines().count() < lines.into(), "no line more than there are: {text}");
+            assert!(text.lines().all(|line| line.chars().count() <= 24), "{text}");
+            let lines =
+                text.lines().skip(2).map(|line| line.split(' ').next().unwrap_or_default().to_owned());
+            (lines.collect::<Vec<_>>(), text.lines().last().unwrap_or_default().to_owned())
+        };
+        let (rows, last) = drawn(8);
+        assert_eq!(
+            (rows, last.as_str()),
+            (["m17", "m12", "m0", "m1", "and"].map(str::to_owned).to_vec(), "and 16 more")
+        );
+        all.iter_mut()
+            .for_each(|watched| watched.seen.clone_from(&Some(json!({ "faults": [{ "code": "x" }] }))));
+        let text = hall.drawn(&all, Some((80, 8)));
+        assert!(text.ends_with("and 16 more, 16 of them with faults\n"), "{text}");
+    }
+
+    /// What steers a terminal, whoever says it, is written out.
+    #[test]
+    fn nothing_that_is_shown_of_a_machine_steers_the_terminal() {
+        let text = "[hall]\nname = \"\\u001b[2J\\u0007hall\"\nkey = \"k\"\n[[machine]]\nname = \"a\"\nat = \"b:1\"\n";
+        let hall = Hall::of(text, "hall", Path::new("")).expect("a hall");
+        let evil = "\u{1b}]0;x\u{7}\u{9b}31m\u{202e}\rprogram\n\u{8}";
+        let seen = json!({ "mode": evil, "program": evil, "faults": [{ "code": evil }] });
+        for watched in [
+            Watched { seen: Some(seen), ..Watched::default() },
+            Watched { why: Some(evil.into()), ..Watched::default() },
+        ] {
+            let text = hall.drawn(&[watched], None);
+            assert!(!text.contains(|letter: char| letter != '\n' && letter.is_control()), "{text:?}");
+            assert!(text.contains("\\u{1b}[2J\\u{7}hall") && text.contains("\\u{202e}"), "{text}");
+            assert_eq!(text.lines().count(), 3, "{text}");
+        }
     }
 }

@@ -1,8 +1,6 @@
 //! The door of the lower level: greetings and what comes before a run. In: bytes from the wire. Out: answers,
 //! and the session that a run begins in.
 
-use std::time::Duration;
-
 use process::ipc::time::Moment;
 use serde_json::Value;
 
@@ -16,14 +14,8 @@ use crate::{
     wire::Mouths,
 };
 
-/// Who says that the keys differ says it without one: nobody relies on it.
-pub const OTHER_KEY: &[u8] = b"K";
 /// Sessions that have begun and are not yet a run, at most; the oldest goes of those that have said nothing.
 const BEFORE: usize = 4;
-/// Most bytes of a greeting under another key that are looked at.
-const MOST_GREETING: usize = 4096;
-/// So often at most they are told, while there is a run.
-const SELDOM: Duration = Duration::from_secs(1);
 /// Most files of a run.
 const FILES: usize = 1000;
 /// Why nobody else is let in.
@@ -65,10 +57,6 @@ pub struct Door {
     on: Option<String>,
     /// What became of the last one, and its name.
     outcome: Option<(String, Value)>,
-    /// Greetings under another key.
-    pub strangers: u64,
-    /// When one of them was answered.
-    told: Moment,
     /// What the machine did when that was said last, and whether it is asked for anew.
     seen: Option<(Value, Moment)>,
     looks: bool,
@@ -77,18 +65,7 @@ pub struct Door {
 impl Door {
     /// A door for those with this key who are as this host is.
     pub fn new(key: Key, here: Identity, mouths: Mouths, outcome: Option<(String, Value)>) -> Door {
-        Door {
-            key,
-            here,
-            mouths,
-            before: Vec::new(),
-            on: None,
-            outcome,
-            strangers: 0,
-            told: Moment::now(),
-            seen: None,
-            looks: false,
-        }
+        Door { key, here, mouths, before: Vec::new(), on: None, outcome, seen: None, looks: false }
     }
 
     /// What comes when no run is on, or is of another session than that. Gives the run that it asks for.
@@ -97,11 +74,9 @@ impl Door {
     /// It cannot be answered.
     pub fn hears(&mut self, bytes: &[u8]) -> Result<Option<Asked>, LinkError> {
         if Greeting::Hello.is(bytes) {
-            let Some(hello) = opened::<Hello>(Greeting::Hello, &self.key, bytes) else {
-                self.strangers += 1;
-                return self.other_key(bytes).map(|()| None);
-            };
-            return self.greeted(hello).map(|()| None);
+            // Who has passed the gate and has another key is nobody who is answered.
+            let hello = opened::<Hello>(Greeting::Hello, &self.key, bytes);
+            return hello.map_or(Ok(None), |hello| self.greeted(hello).map(|()| None));
         }
         let Some(at) = self.before.iter().position(|before| before.session.is_named_in(bytes)) else {
             return Ok(None);
@@ -141,19 +116,6 @@ impl Door {
             _ => {}
         }
         Ok(None)
-    }
-
-    /// Tells whoever greets under another key; while there is a run, which does not spend its time on that,
-    /// not often.
-    fn other_key(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        if self.on.is_some() && self.told.elapsed() < SELDOM {
-            return Ok(());
-        }
-        self.told = Moment::now();
-        let said = Greeting::Hello.says(bytes).filter(|said| said.len() < MOST_GREETING);
-        let hello = said.and_then(|said| serde_json::from_slice::<Hello>(said).ok());
-        let back = hello.and_then(|hello| of_hex(&hello.back));
-        back.map_or(Ok(()), |back| self.mouths.to(back).that_does_not_wait().say(OTHER_KEY.to_vec()))
     }
 
     /// Answers a greeting.

@@ -18,8 +18,9 @@ use process::{
 use crate::{
     LinkError,
     hello::{Answer, Identity, Verdict, Wants},
+    proof::Role,
     seal::Key,
-    talk::{Said, say},
+    talk::{Said, hear, say},
     upper::Caller,
 };
 
@@ -47,7 +48,7 @@ struct Known(Watched, Moment);
 /// The list or a key cannot be read.
 pub fn run(args: &HallArgs) -> Result<(), LinkError> {
     let mut line = Vec::new();
-    let mut parent = std::io::stdin().lock();
+    let mut parent = hear()?;
     let read = std::io::Read::take(&mut parent, MOST_LIST).read_until(b'\n', &mut line);
     read.map_err(|error| LinkError::broken("the list of machines", error))?;
     let list: Vec<Watch> =
@@ -86,7 +87,7 @@ fn told(known: &Mutex<Known>) -> Watched {
 fn looks(at: &str, key: Key, here: Identity, known: &Mutex<Known>) {
     let set =
         |news: &mut dyn FnMut(&mut Known)| news(&mut known.lock().unwrap_or_else(PoisonError::into_inner));
-    let caller = match Caller::of(key, here, at) {
+    let mut caller = match Caller::of(key, here, at, Role::Hall) {
         Ok(caller) => caller,
         Err(error) => return set(&mut |known| known.0.why = Some(error.to_string())),
     };
@@ -104,7 +105,7 @@ fn looks(at: &str, key: Key, here: Identity, known: &Mutex<Known>) {
             }
             // It is there, and its launcher has not said anything yet.
             Ok(_) => known.1 = Moment::now(),
-            Err(LinkError::OtherKey(text)) => {
+            Err(LinkError::Refused(text) | LinkError::Input(text)) => {
                 *known = Known(Watched { why: Some(text.clone()), ..Watched::default() }, Moment::now());
             }
             Err(_) => {}

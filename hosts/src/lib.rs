@@ -8,16 +8,23 @@
 //! control loop does not, and neither does anything that an armed pass needs. Of a panel on A its socket to
 //! the launcher on B does (`panel`), and then the interpreter is on B as well.
 //!
-//! Zenoh carries the bytes, over TCP to an address that is named: nothing is looked for on a network.
+//! Zenoh carries the bytes, to an address that is named: nothing is looked for on a network. It speaks to
+//! sockets of its own host alone: in front of it stands a gate (`gate`), which has whoever calls prove that
+//! he has the key.
 
+pub mod call;
 pub mod door;
+pub mod gate;
 pub mod hall;
 pub mod hello;
+pub mod joined;
 pub mod lower;
 pub mod message;
 pub mod panel;
 pub mod ping;
 pub mod pipe;
+pub mod places;
+pub mod proof;
 pub mod seal;
 pub mod session;
 pub mod talk;
@@ -30,9 +37,12 @@ pub enum LinkError {
     /// An argument, a key, or what the other host is: nothing has moved.
     #[error("{0}")]
     Input(String),
-    /// The other host has another key: nothing has moved.
+    /// The other host lets nobody in: another key, no place, not a pitchlock. Nothing has moved.
     #[error("{0}")]
-    OtherKey(String),
+    Refused(String),
+    /// Nobody answers there: nothing has moved.
+    #[error("{0}")]
+    Nobody(String),
     /// The network, or the other host, or this one.
     #[error("{0}")]
     Broken(String),
@@ -60,6 +70,6 @@ impl LinkError {
 
     /// The exit status that it leaves: 2 for what is to be put right before anything moves.
     pub fn status(&self) -> u8 {
-        if matches!(self, LinkError::Input(_) | LinkError::OtherKey(_)) { 2 } else { 1 }
+        if matches!(self, LinkError::Input(_) | LinkError::Refused(_) | LinkError::Nobody(_)) { 2 } else { 1 }
     }
 }

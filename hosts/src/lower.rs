@@ -1,7 +1,7 @@
 //! The link on host B, in the interpreter's place: it takes machine code off the wire, sends it to the
 //! interpolator, and the credit back. In: what comes through the door. Out: a run, told to `pitchlock serve`.
 
-use std::{fs, path::PathBuf, time::Duration};
+use std::{fs, net::TcpListener, os::fd::AsFd as _, path::PathBuf, time::Duration};
 
 use process::{
     ipc::{Member, Patience, Process, channel, time::Moment},
@@ -16,7 +16,6 @@ use crate::{
     hello::HostArgs,
     message::Message,
     panel,
-    seal::Level,
     session::Session,
     talk::{Said, Told, leave, say},
     wire::{Event, Wire},
@@ -25,16 +24,13 @@ use crate::{
 /// How long nothing is looked at when nothing comes.
 pub(crate) const NAP: Duration = Duration::from_millis(100);
 /// Why a launcher that is gone ends the link.
-pub(crate) const OFF: &str = "the machine was switched off";
+pub(crate) const OFF: &str = "`pitchlock serve` there is gone, and the machine comes to rest";
 /// Events that are taken before anything else is looked at again.
 const ROUND: usize = 256;
 
 /// Arguments of the lower end.
 #[derive(Clone, Debug, clap::Args)]
 pub struct LowerArgs {
-    /// Address at which it can be called.
-    #[arg(long, value_name = "ADDRESS")]
-    pub listen: String,
     #[command(flatten)]
     host: HostArgs,
     /// Empty folder for the files of a run.
@@ -60,10 +56,13 @@ fn outcome(args: &LowerArgs) -> Result<Option<(String, Value)>, LinkError> {
 pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
     let (key, here) = args.host.read()?;
     let before = outcome(args)?;
-    let wire = Wire::open(Level::Lower, &args.listen)?;
+    // The launcher holds the address, from the first run to the last: it is the standard output here.
+    let listener = std::io::stdout().as_fd().try_clone_to_owned().map(TcpListener::from);
+    let listener = listener.map_err(|error| LinkError::broken("the address", error))?;
+    let wire = Wire::behind_a_gate(listener, &key, &args.into)?;
     wire.hear_the_parent()?;
     let mut door = Door::new(key, here, wire.mouths(), before);
-    say(&Said::Listening(args.listen.clone()));
+    say(&Said::Listening);
     let asked = loop {
         match wire.wait(NAP) {
             Some(Event::Frame(bytes)) => {
@@ -77,7 +76,7 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
                     door.sees(seen);
                 }
             }
-            Some(Event::Shut(_)) | None => {}
+            Some(Event::Shut(_) | Event::Gone) | None => {}
         }
     };
     let Asked { run, mut session, files, words, by_panel } = asked;
@@ -94,8 +93,8 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
         session.ends(error);
     }
     session.told().into_iter().for_each(|text| say(&Said::Note(text)));
-    if door.strangers > 0 {
-        say(&Said::Note(format!("refused on the link: {} greetings under another key", door.strangers)));
+    if wire.refused() > 0 {
+        say(&Said::Note(format!("refused at the gate: {} who have not the key", wire.refused())));
     }
     carried.unwrap_or_else(|error| leave(&error));
     Ok(())
@@ -133,7 +132,7 @@ fn place(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<Option<(
                 Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
             },
             Some(Event::Closed) => return Err(LinkError::Broken(OFF.into())),
-            Some(Event::Shut(_)) | None => {}
+            Some(Event::Shut(_) | Event::Gone) | None => {}
         }
         session.lives()?;
     }
@@ -149,7 +148,7 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
     let interpolator = member.waker(Process::Interpolator)?;
     member.start(&[&code, &credit, &interpolator], Moment::in_s(START_S))?;
     session.voice.say(&Message::Go)?;
-    let mut enough = false;
+    let (mut enough, mut off) = (false, None);
     while !enough && !member.is_gone(Process::Interpolator) {
         let (mut any, mut taken) = (false, 0);
         while taken < ROUND
@@ -157,14 +156,21 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
         {
             taken += 1;
             let bytes = match event {
-                Event::Frame(bytes) => bytes,
+                Event::Frame(bytes) if off.is_none() => bytes,
                 Event::Line(line) => {
                     if let Ok(Told::Seen(seen)) = serde_json::from_str(&line) {
                         door.sees(seen);
                     }
                     continue;
                 }
-                Event::Closed | Event::Shut(_) => continue,
+                // The other host hears it at once; the machine here comes to rest without its launcher.
+                Event::Closed => {
+                    let why = LinkError::Broken(OFF.into());
+                    session.ends(&why);
+                    off = Some(why);
+                    continue;
+                }
+                Event::Frame(_) | Event::Shut(_) | Event::Gone => continue,
             };
             match heard(door, session, &bytes)? {
                 Some(Message::Code(bytes)) => {
@@ -186,11 +192,16 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
             enough |= given == Credit::ENOUGH;
         }
         if !enough {
-            session.lives()?;
+            if off.is_none() {
+                session.lives()?;
+            }
             if taken < ROUND {
                 member.wait_at_most(NAP)?;
             }
         }
+    }
+    if let Some(why) = off {
+        return Err(why);
     }
     if !enough {
         session.voice.say(&Message::Credit(Credit::ENOUGH))?;

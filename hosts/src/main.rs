@@ -24,7 +24,7 @@ enum Command {
     Upper(upper::CallArgs),
     /// The end at the panel.
     Panel(upper::CallArgs),
-    /// Look at machines of a hall, which are named on standard input.
+    /// Look at machines of a hall, which are named there.
     Hall(hall::HallArgs),
     /// Measure the way there and back.
     Ping(ping::PingArgs),
@@ -49,6 +49,6 @@ fn main() -> ExitCode {
     if talks {
         leave(&error);
     }
-    let _ = writeln!(std::io::stderr(), "error: {error}");
+    let _ = writeln!(std::io::stderr(), "error: {}", process::link::shown(&error.to_string()));
     ExitCode::from(error.status())
 }

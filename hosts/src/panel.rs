@@ -100,7 +100,7 @@ pub(crate) fn carry_down(wire: &Wire, door: &mut Door, session: &mut Session) ->
             },
             Some(Event::Shut(number)) => carried.shuts(number, session)?,
             Some(Event::Closed) => return Err(LinkError::Broken(OFF.into())),
-            None => {}
+            Some(Event::Gone) | None => {}
         }
         session.lives()?;
     }
@@ -130,7 +130,7 @@ fn too_early(what: &dyn std::fmt::Display) -> LinkError {
 /// # Errors
 /// [`LinkError`].
 pub fn run(args: &CallArgs) -> Result<(), LinkError> {
-    let caller = Caller::new(args)?;
+    let mut caller = Caller::new(args)?;
     caller.wire.hear_the_parent()?;
     let (run, mut session) = caller.call(&Wants::Panel, PATIENT_S)?;
     session.voice.beat()?;
@@ -168,6 +168,7 @@ fn carry_up(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
             },
             Some(Event::Shut(number)) => carried.shuts(number, session)?,
             Some(Event::Closed) => return Err(LinkError::Broken("its panel has ended".into())),
+            Some(Event::Gone) => session.is_cut(),
             None => {}
         }
         session.lives()?;

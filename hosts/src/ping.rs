@@ -50,7 +50,7 @@ impl Row {
 /// # Errors
 /// [`LinkError`].
 pub fn run(args: &PingArgs) -> Result<(), LinkError> {
-    let caller = Caller::new(&args.call)?;
+    let mut caller = Caller::new(&args.call)?;
     let (_, mut session) = caller.call(&Wants::Ping, 5.0)?;
     let mut text =
         String::from("| bytes | sent | median µs | 99 % µs | most µs | lost |\n|---|---|---|---|---|---|\n");

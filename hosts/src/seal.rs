@@ -84,6 +84,11 @@ impl Key {
         written.map_err(|error| LinkError::file(path, error))
     }
 
+    /// What is proved at the gate.
+    pub fn gate(&self) -> [u8; KEY] {
+        self.derived("pitchlock link 1 gate", &[])
+    }
+
     /// A key for one use, of this one and what else it is to depend on.
     fn derived(&self, what: &str, nonces: &[Nonce]) -> [u8; KEY] {
         let mut hash = blake3::Hasher::new_derive_key(what);

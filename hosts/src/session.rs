@@ -20,6 +20,10 @@ const BEAT: Duration = Duration::from_millis(200);
 /// So long nothing may be heard of the other one. A frozen link and a cable that is pulled for less go
 /// unnoticed.
 pub const SILENCE: Duration = Duration::from_secs(2);
+/// So long the last word may take to be on its way: who says it ends.
+const ON_ITS_WAY: Duration = Duration::from_millis(100);
+/// So long what has come is looked at when the connection has ended.
+const LEFT: Duration = Duration::from_millis(300);
 
 /// What says things in a session, one after the other.
 #[derive(Clone)]
@@ -75,6 +79,8 @@ pub struct Session {
     pub voice: Voice,
     opener: Opener,
     heard: Moment,
+    /// When the connection ended.
+    cut: Option<Moment>,
     /// A message of it has come: whoever greeted has the key, and is not a recording of one.
     pub has_spoken: bool,
     /// What was not taken so far.
@@ -84,7 +90,14 @@ pub struct Session {
 impl Session {
     /// A session that has just begun.
     pub fn new(voice: Voice, opener: Opener) -> Session {
-        Session { voice, opener, heard: Moment::now(), has_spoken: false, refusals: Refusals::default() }
+        Session {
+            voice,
+            opener,
+            heard: Moment::now(),
+            cut: None,
+            has_spoken: false,
+            refusals: Refusals::default(),
+        }
     }
 
     /// Whether bytes claim to be of this session.
@@ -121,11 +134,19 @@ impl Session {
         }
     }
 
+    /// The connection has ended. What came by it before may not have been heard yet.
+    pub fn is_cut(&mut self) {
+        self.cut.get_or_insert_with(Moment::now);
+    }
+
     /// Whether the other host lives.
     ///
     /// # Errors
-    /// [`LinkError::Silent`]: nothing was heard of it for [`SILENCE`].
+    /// [`LinkError::Silent`]: nothing was heard of it for [`SILENCE`]; its end of the connection has ended.
     pub fn lives(&self) -> Result<(), LinkError> {
+        if self.cut.is_some_and(|cut| cut.elapsed() > LEFT) {
+            return Err(LinkError::Broken("the process of the link on the other host has ended".into()));
+        }
         if self.heard.elapsed() < SILENCE { Ok(()) } else { Err(LinkError::Silent(SILENCE)) }
     }
 
@@ -134,6 +155,7 @@ impl Session {
         if !matches!(why, LinkError::Silent(_)) {
             // What it is about is told here, too.
             let _ = self.voice.say(&Message::Bye(why.to_string()));
+            sleep_until(Moment::now().after(ON_ITS_WAY));
         }
     }
 

@@ -1,15 +1,34 @@
-//! What the link says to whoever started it.
+//! What the link and whoever started it say to each other, by a socket that is the standard input of the
+//! link. In and out: lines.
 
-use std::io::Write as _;
+use std::{
+    io::{self, BufReader, Write as _},
+    os::{fd::AsFd as _, unix::net::UnixStream},
+    sync::OnceLock,
+};
 
 pub use process::link::{Said, Told};
 
 use crate::LinkError;
 
+/// The socket, if it is there.
+fn parent() -> Option<&'static UnixStream> {
+    static PARENT: OnceLock<Option<UnixStream>> = OnceLock::new();
+    PARENT.get_or_init(|| io::stdin().as_fd().try_clone_to_owned().map(UnixStream::from).ok()).as_ref()
+}
+
+/// What whoever started this says.
+///
+/// # Errors
+/// Nobody did.
+pub fn hear() -> Result<BufReader<&'static UnixStream>, LinkError> {
+    parent().map(BufReader::new).ok_or_else(|| LinkError::Broken("nobody has started this".into()))
+}
+
 /// Says something. Nobody may listen any more, and that is no error.
 pub fn say(what: &Said) {
-    if let Ok(line) = serde_json::to_string(what) {
-        let _ = writeln!(std::io::stdout(), "{line}");
+    if let (Some(mut parent), Ok(line)) = (parent(), serde_json::to_string(what)) {
+        let _ = parent.write_all(format!("{line}\n").as_bytes());
     }
 }
 
@@ -17,7 +36,9 @@ pub fn say(what: &Said) {
 /// take.
 pub fn leave(why: &LinkError) -> ! {
     say(&match why {
-        LinkError::Input(text) | LinkError::OtherKey(text) => Said::Refused(text.clone()),
+        LinkError::Input(text) | LinkError::Refused(text) | LinkError::Nobody(text) => {
+            Said::Refused(text.clone())
+        }
         other => Said::Why(other.to_string()),
     });
     std::process::exit(why.status().into())

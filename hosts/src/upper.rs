@@ -11,9 +11,11 @@ use protocol::{Credit, Payload as _};
 
 use crate::{
     LinkError,
-    door::{OTHER_KEY, named},
+    call::call,
+    door::named,
     hello::{Answer, Hello, HostArgs, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
     message::{FILE, Message, PART},
+    proof::Role,
     seal::{self, Greeting, Key, Level},
     session::{Session, Voice},
     talk::{Said, Told, leave, say},
@@ -44,31 +46,32 @@ pub struct Caller {
     key: Key,
     here: Identity,
     at: String,
+    role: Role,
 }
 
 impl Caller {
-    /// Reads the key and opens the wire.
+    /// Reads the key. Nobody is called yet.
     ///
     /// # Errors
     /// [`LinkError::Input`].
     pub fn new(args: &CallArgs) -> Result<Caller, LinkError> {
         let (key, here) = args.host.read()?;
-        Caller::of(key, here, &args.at)
+        Caller::of(key, here, &args.at, Role::Operator)
     }
 
     /// The same of somebody with this key who is as this host is.
     ///
     /// # Errors
-    /// [`LinkError::Input`].
-    pub fn of(key: Key, here: Identity, at: &str) -> Result<Caller, LinkError> {
-        Ok(Caller { wire: Wire::open(Level::Upper, at)?, key, here, at: at.to_owned() })
+    /// The system has no random numbers.
+    pub fn of(key: Key, here: Identity, at: &str, role: Role) -> Result<Caller, LinkError> {
+        Ok(Caller { wire: Wire::that_calls()?, key, here, at: at.to_owned(), role })
     }
 
     /// Greets until there is an answer.
     ///
     /// # Errors
-    /// Nobody answers in time, or who does has another key, or refuses: [`LinkError::Input`].
-    pub fn call(&self, wants: &Wants, patience_s: f64) -> Result<(String, Session), LinkError> {
+    /// Nobody answers in time, or who does lets nobody in, or refuses.
+    pub fn call(&mut self, wants: &Wants, patience_s: f64) -> Result<(String, Session), LinkError> {
         let (own, answer) = self.answer(wants, patience_s)?;
         match (answer.verdict, of_hex(&answer.nonce)) {
             (Verdict::Welcome, Some(theirs)) => {
@@ -82,18 +85,25 @@ impl Caller {
     }
 
     /// An answer to a greeting, and our own number in it.
-    pub(crate) fn answer(&self, wants: &Wants, patience_s: f64) -> Result<(seal::Nonce, Answer), LinkError> {
+    pub(crate) fn answer(
+        &mut self,
+        wants: &Wants,
+        patience_s: f64,
+    ) -> Result<(seal::Nonce, Answer), LinkError> {
         let own = seal::nonce()?;
         let (nonce, back) = (hex(own), hex(self.wire.name));
         let hello = Hello { nonce, back, wants: wants.clone(), identity: self.here.clone() };
-        let (deadline, mut again, mut other_key) = (Moment::in_s(patience_s), Moment::now(), false);
+        let (deadline, mut again) = (Moment::in_s(patience_s), Moment::now());
         while !deadline.passed() {
+            if !self.wire.is_there() {
+                let left = deadline.since(Moment::now());
+                self.wire.over(call(&self.at, &self.key.gate(), self.role, left)?)?;
+            }
             if again.passed() {
                 self.wire.mouth().say(sealed(Greeting::Hello, &self.key, &hello)?)?;
                 again = Moment::now().after(AGAIN);
             }
             match self.wire.wait(AGAIN) {
-                Some(Event::Frame(bytes)) if bytes == OTHER_KEY => other_key = true,
                 Some(Event::Frame(bytes)) => {
                     let answer = opened::<Answer>(Greeting::Answer, &self.key, &bytes);
                     if let Some(answer) = answer.filter(|answer| answer.of == hello.nonce) {
@@ -103,22 +113,17 @@ impl Caller {
                 Some(Event::Closed) => {
                     return Err(LinkError::Broken("whoever wanted the run is gone".into()));
                 }
-                Some(Event::Line(_) | Event::Shut(_)) | None => {}
+                Some(Event::Line(_) | Event::Shut(_) | Event::Gone) | None => {}
             }
         }
-        let at = &self.at;
-        if other_key {
-            return Err(LinkError::OtherKey(format!(
-                "{at} has another key\nhelp: copy the file that --key names there to this host"
-            )));
-        }
-        Err(LinkError::Input(format!(
-            "nobody answers at {at}\nhelp: start `pitchlock serve --listen {at}` there, and see that no firewall is between"
+        Err(LinkError::Nobody(format!(
+            "nobody answers at {}, but its gate\nhelp: see that the computer there is not held up",
+            self.at
         )))
     }
 
     /// What became of a run.
-    fn outcome(&self, run: &str) -> Result<serde_json::Value, LinkError> {
+    fn outcome(&mut self, run: &str) -> Result<serde_json::Value, LinkError> {
         let deadline = Moment::in_s(SUMMED_UP_S);
         loop {
             match self.answer(&Wants::Outcome(run.into()), SUMMED_UP_S) {
@@ -130,7 +135,11 @@ impl Caller {
                     return Err(LinkError::Broken(text));
                 }
                 Ok(_) => return Err(LinkError::Broken(format!("{} does not sum up the run", self.at))),
-                Err(error) => return Err(LinkError::Broken(error.to_string())),
+                Err(error) => {
+                    let text = error.to_string();
+                    let first = text.lines().next().unwrap_or_default();
+                    return Err(LinkError::Broken(format!("it has not summed up the run: {first}")));
+                }
             }
         }
     }
@@ -141,7 +150,7 @@ impl Caller {
 /// # Errors
 /// [`LinkError`].
 pub fn run(args: &CallArgs) -> Result<(), LinkError> {
-    let caller = Caller::new(args)?;
+    let mut caller = Caller::new(args)?;
     caller.wire.hear_the_parent()?;
     let (run, mut session) = caller.call(&Wants::Run, PATIENT_S)?;
     session.voice.beat()?;
@@ -194,6 +203,7 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
                 Err(error) => return Err(LinkError::broken("a line of the launcher", error)),
             },
             Some(Event::Closed) => return Err(LinkError::Broken("its launcher has ended the run".into())),
+            Some(Event::Gone) => session.is_cut(),
             Some(Event::Shut(_)) | None => session.lives()?,
         }
     };
@@ -225,6 +235,7 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
                     }
                 }
                 Event::Closed => return Err(LinkError::Broken("its launcher has ended the run".into())),
+                Event::Gone => session.is_cut(),
                 Event::Shut(_) => {}
             }
         }

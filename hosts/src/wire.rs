@@ -1,15 +1,20 @@
-//! The wire: Zenoh between two hosts, at an address that is named. In: bytes to send. Out: bytes that came,
-//! and lines of whoever started this process; the member that carries them is woken.
+//! The wire: Zenoh between two hosts, behind the gate of one of them. In: bytes to send. Out: bytes that
+//! came, and lines of whoever started this process; the member that carries them is woken.
 //!
-//! Multicast and gossip are off, so nobody is looked for and nobody is told of us. What is sent waits for a
-//! place instead of being dropped (Zenoh drops by default), goes before anything else, and is not kept back
-//! to fill a packet. What goes up goes to one host alone: whoever calls has a name there.
+//! Multicast and gossip are off, so nobody is looked for and nobody is told of us. Zenoh speaks to a socket in
+//! a folder of this user alone; what is on the network is a connection that the gate has let in. What is sent
+//! waits for a place instead of being dropped (Zenoh drops by default), goes before anything else, and is not
+//! kept back to fill a packet. What goes up goes to one host alone: whoever calls has a name there.
 
 use std::{
+    fs::{self, DirBuilder},
     io::BufRead as _,
+    net::{TcpListener, TcpStream},
+    os::unix::{fs::DirBuilderExt as _, net::UnixListener},
+    path::{Path, PathBuf},
     sync::{
         Arc, OnceLock,
-        atomic::{AtomicUsize, Ordering::Relaxed},
+        atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed},
         mpsc::{Receiver, Sender, channel},
     },
     time::Duration,
@@ -22,9 +27,13 @@ use zenoh::{
 };
 
 use crate::{
-    LinkError, message,
-    seal::{self, Level, Nonce},
+    LinkError,
+    gate::Gate,
+    joined, message,
+    places::{HALLS, OPERATORS},
+    seal::{self, Key, Level, Nonce},
     session::SILENCE,
+    talk,
 };
 
 /// Most bytes of a message: a summary of many passes is the longest.
@@ -37,8 +46,10 @@ const AROUND: usize = 128;
 /// Who has not taken anything for so long is given up by the machine: whoever has a run waits for him. What
 /// goes up to that one is little, and finds room while his cable is pulled.
 const RUDE: Duration = Duration::from_secs(1);
-/// Connections at once: the other host, and room for those that are about to go.
-const CONNECTIONS: usize = 8;
+/// Connections at once: all that the gate lets in, and room for those that are about to go.
+const CONNECTIONS: usize = HALLS + OPERATORS + 8;
+/// The name of the socket at which Zenoh listens; no file that comes has one like it.
+const BEHIND: &str = ".link";
 
 /// What goes down to the machine.
 const DOWN: &str = "pitchlock/link/1/down";
@@ -59,6 +70,8 @@ pub enum Event {
     Closed,
     /// Nothing more will be read of the socket with this number.
     Shut(u32),
+    /// The connection to the machine has ended.
+    Gone,
 }
 
 impl Event {
@@ -98,7 +111,11 @@ impl Source {
 pub struct Wire {
     events: Receiver<Event>,
     source: Source,
-    session: zenoh::Session,
+    session: Option<zenoh::Session>,
+    /// The gate in front of it, at the machine.
+    gate: Option<Arc<Gate>>,
+    /// The connection has ended, where this host calls.
+    gone: Arc<AtomicBool>,
     /// By which this host is called, where it calls.
     pub name: Nonce,
 }
@@ -106,7 +123,7 @@ pub struct Wire {
 /// What speaks on it, to one host.
 #[derive(Clone)]
 pub struct Mouth {
-    session: zenoh::Session,
+    session: Option<zenoh::Session>,
     way: String,
     congestion: CongestionControl,
 }
@@ -117,7 +134,8 @@ impl Mouth {
     /// # Errors
     /// What Zenoh says.
     pub fn say(&self, bytes: Vec<u8>) -> Result<(), LinkError> {
-        let put = self.session.put(self.way.as_str(), bytes).congestion_control(self.congestion);
+        let Some(session) = &self.session else { return Ok(()) };
+        let put = session.put(self.way.as_str(), bytes).congestion_control(self.congestion);
         let sent = put.priority(Priority::RealTime).express(true).wait();
         sent.map_err(|error| LinkError::broken("sending", error))
     }
@@ -131,7 +149,7 @@ impl Mouth {
 
 /// What gives mouths to whoever calls.
 #[derive(Clone)]
-pub struct Mouths(zenoh::Session);
+pub struct Mouths(Option<zenoh::Session>);
 
 impl Mouths {
     /// One to whoever calls by this name.
@@ -140,10 +158,58 @@ impl Mouths {
     }
 }
 
-/// Zenoh as it is wanted here.
-fn config(at: Level, address: &str) -> Result<zenoh::Config, LinkError> {
+/// A socket of this host that leads to the other one.
+pub struct Way {
+    /// A folder of this user alone.
+    folder: PathBuf,
+    listener: UnixListener,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+impl Drop for Way {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+impl Way {
+    /// Makes it. It goes as soon as Zenoh has come by it.
+    ///
+    /// # Errors
+    /// There is no room for it.
+    pub fn make() -> Result<Way, LinkError> {
+        let folder = std::env::temp_dir().join(format!("pitchlock-way-{:016x}", seal::nonce()? as u64));
+        let wrong = |error: std::io::Error| {
+            LinkError::file(&folder, format!("{error}\nhelp: TMPDIR names another folder, with a short name"))
+        };
+        DirBuilder::new().mode(0o700).create(&folder).map_err(wrong)?;
+        let path = folder.join(BEHIND);
+        let listener =
+            UnixListener::bind(&path).inspect_err(|_| drop(fs::remove_dir(&folder))).map_err(wrong)?;
+        Ok(Way { folder, listener, path })
+    }
+
+    /// Carries whoever comes by it over this connection. `ended` is called when that has ended.
+    ///
+    /// # Errors
+    /// There is no thread for it.
+    pub fn leads(self, net: TcpStream, ended: impl FnOnce() + Send + 'static) -> Result<(), LinkError> {
+        let leads = move || {
+            if let Ok((here, _)) = self.listener.accept() {
+                // Without it nobody answers, which is said.
+                let _ = joined::join(net, here, ended);
+            }
+        };
+        let thread = std::thread::Builder::new().name("way".into()).spawn(leads);
+        thread.map(drop).map_err(|error| LinkError::broken("a thread", error))
+    }
+}
+
+/// Zenoh as it is wanted here, at a socket.
+fn config(at: Level, socket: &Path) -> Result<zenoh::Config, LinkError> {
     let mut config = zenoh::Config::default();
-    let here = format!("[\"tcp/{address}\"]");
+    let here = format!("[\"unixsock-stream/{}\"]", socket.display());
     let (listen, connect, patience) = match at {
         Level::Lower => (here.as_str(), "[]", RUDE),
         Level::Upper => ("[]", here.as_str(), SILENCE),
@@ -172,25 +238,75 @@ fn config(at: Level, address: &str) -> Result<zenoh::Config, LinkError> {
 }
 
 impl Wire {
-    /// Opens it: the lower level listens at an address, the upper one calls it, again and again.
-    ///
-    /// # Errors
-    /// The address cannot be had.
-    pub fn open(at: Level, address: &str) -> Result<Wire, LinkError> {
-        let wrong = |error: zenoh::Error| LinkError::Input(format!("{address}: {error}"));
-        let session = zenoh::open(config(at, address)?).wait().map_err(wrong)?;
+    fn new() -> Result<Wire, LinkError> {
         let (sender, events) = channel();
         let source = Source { events: sender, waiting: Arc::default(), bell: Arc::default() };
-        let name = seal::nonce()?;
-        let here = if at == Level::Upper { up(name) } else { DOWN.to_owned() };
-        let heard = source.clone();
+        let gone = Arc::default();
+        Ok(Wire { events, source, session: None, gate: None, gone, name: seal::nonce()? })
+    }
+
+    /// The end at the machine: whoever calls at this address and has the key is let in. Zenoh's socket lies
+    /// in a folder of this user alone.
+    ///
+    /// # Errors
+    /// The address is not one, or Zenoh cannot be had.
+    pub fn behind_a_gate(listener: TcpListener, key: &Key, folder: &Path) -> Result<Wire, LinkError> {
+        let mut wire = Wire::new()?;
+        let behind = folder.join(BEHIND);
+        wire.speaks(Level::Lower, &behind)?;
+        wire.gate = Some(Gate::open(listener, key.gate(), &behind)?);
+        Ok(wire)
+    }
+
+    /// The end of whoever calls, who has not called yet.
+    ///
+    /// # Errors
+    /// The system has no random numbers.
+    pub fn that_calls() -> Result<Wire, LinkError> {
+        Wire::new()
+    }
+
+    /// Speaks over this connection from here on.
+    ///
+    /// # Errors
+    /// There is no socket for it, or Zenoh cannot be had.
+    pub fn over(&mut self, net: TcpStream) -> Result<(), LinkError> {
+        let (way, source, gone) = (Way::make()?, self.source.clone(), Arc::new(AtomicBool::new(false)));
+        let path = way.path.clone();
+        self.gone = Arc::clone(&gone);
+        way.leads(net, move || {
+            gone.store(true, Relaxed);
+            source.happened(Event::Gone);
+        })?;
+        self.speaks(Level::Upper, &path)
+    }
+
+    /// Whether there is a connection. What is left of one that has ended is given up.
+    pub fn is_there(&mut self) -> bool {
+        if self.gone.load(Relaxed) {
+            self.session = None;
+        }
+        self.session.is_some()
+    }
+
+    fn speaks(&mut self, at: Level, socket: &Path) -> Result<(), LinkError> {
+        let wrong = |error: zenoh::Error| LinkError::file(socket, error);
+        let session = zenoh::open(config(at, socket)?).wait().map_err(wrong)?;
+        let here = if at == Level::Upper { up(self.name) } else { DOWN.to_owned() };
+        let heard = self.source.clone();
         let subscriber = session.declare_subscriber(here).callback(move |sample| {
             if sample.payload().len() <= MOST {
                 heard.happened(Event::Frame(sample.payload().to_bytes().into_owned()));
             }
         });
         subscriber.background().wait().map_err(wrong)?;
-        Ok(Wire { events, source, session, name })
+        self.session = Some(session);
+        Ok(())
+    }
+
+    /// How many have come to the gate without the key.
+    pub fn refused(&self) -> u64 {
+        self.gate.as_ref().map_or(0, |gate| gate.refused())
     }
 
     /// What speaks to the machine.
@@ -209,14 +325,14 @@ impl Wire {
         move || source.happened(Event::Shut(number))
     }
 
-    /// Listens to whoever started this process, too: to lines on standard input.
+    /// Listens to whoever started this process, too.
     ///
     /// # Errors
-    /// There is no thread for it.
+    /// There is nobody, or no thread for it.
     pub fn hear_the_parent(&self) -> Result<(), LinkError> {
-        let source = self.source.clone();
+        let (source, parent) = (self.source.clone(), talk::hear()?);
         let hear = move || {
-            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+            for line in parent.lines().map_while(Result::ok) {
                 source.happened(Event::Line(line));
             }
             source.happened(Event::Closed);

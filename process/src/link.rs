@@ -1,16 +1,17 @@
 //! What the link to another computer and the launcher that started it say to each other: a line of JSON each,
-//! on standard output and input of the link.
+//! by a socket that is the standard input of the link.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// What the link says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Said {
-    /// The lower level can be called at this address.
-    Listening(String),
+    /// The lower level can be called.
+    Listening,
     /// The upper level was let in.
     Welcome {
         /// Name of the session, which is that of the run.
@@ -39,11 +40,31 @@ pub enum Said {
     /// Why it ends.
     Why(String),
     /// What became of the run.
-    Outcome(serde_json::Value),
+    Outcome(Value),
     /// Somebody in a hall looks at the machine: what is it doing?
     Look,
     /// What machines of a hall do, in the order in which they were named.
     Machines(Vec<Watched>),
+}
+
+impl Said {
+    /// The same, and no text in it that is shown steers a terminal.
+    #[must_use]
+    pub fn harmless(self) -> Said {
+        let watched = |watched: Watched| Watched {
+            seen: watched.seen.map(harmless),
+            why: watched.why.as_deref().map(shown),
+            ..watched
+        };
+        match self {
+            Said::Refused(text) => Said::Refused(shown(&text)),
+            Said::Note(text) => Said::Note(shown(&text)),
+            Said::Why(text) => Said::Why(shown(&text)),
+            Said::Outcome(value) => Said::Outcome(harmless(value)),
+            Said::Machines(all) => Said::Machines(all.into_iter().map(watched).collect()),
+            other => other,
+        }
+    }
 }
 
 /// A machine of a hall, where it can be called, and the key that it has.
@@ -59,7 +80,7 @@ pub struct Watch {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
     /// What it did when it was heard of last.
-    pub seen: Option<serde_json::Value>,
+    pub seen: Option<Value>,
     /// How old that was then, s.
     pub age_s: f64,
     /// So long nothing has been heard of it, s.
@@ -102,5 +123,41 @@ pub enum Told {
     /// Somebody presses.
     Press(u8),
     /// What the machine does.
-    Seen(serde_json::Value),
+    Seen(Value),
+}
+
+/// A text of another computer as it is shown: what would steer a terminal, or turn the order of letters
+/// round, is written out. Ends of lines stay.
+pub fn shown(text: &str) -> String {
+    let turns = |letter: char| matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let letter = |letter: char| match letter {
+        '\n' => "\n".to_owned(),
+        _ if letter.is_control() || turns(letter) => letter.escape_unicode().to_string(),
+        _ => letter.to_string(),
+    };
+    text.chars().map(letter).collect()
+}
+
+/// The same of all texts in a document.
+fn harmless(value: Value) -> Value {
+    match value {
+        Value::String(text) => Value::String(shown(&text)),
+        Value::Array(all) => all.into_iter().map(harmless).collect(),
+        Value::Object(all) => all.into_iter().map(|(name, value)| (shown(&name), harmless(value))).collect(),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_steers_a_terminal_is_written_out_and_all_else_is_as_it_was() {
+        let plain = "Drehbank „Süd“, Größe 3 — 旋盤\n\\ \" line 2";
+        assert_eq!(shown(plain), plain);
+        assert_eq!(shown("\u{1b}[2J\r\t\u{9b}a\u{202e}b"), "\\u{1b}[2J\\u{d}\\u{9}\\u{9b}a\\u{202e}b");
+        let value = serde_json::json!({ "a": ["\u{7}", 1], "b\u{1b}": { "c": null } });
+        assert_eq!(harmless(value), serde_json::json!({ "a": ["\\u{7}", 1], "b\\u{1b}": { "c": null } }));
+    }
 }

@@ -10,7 +10,10 @@ use std::{
 
 use ratatui::{
     DefaultTerminal,
-    crossterm::event::{self, Event, KeyEvent},
+    crossterm::{
+        event::{self, Event, KeyEvent},
+        terminal,
+    },
 };
 
 use crate::{desk::Desk, draw::draw};
@@ -30,6 +33,12 @@ impl Drop for Screen {
             let _ = ratatui::try_restore();
         }
     }
+}
+
+/// Columns and lines of the terminal; `None` if it does not say.
+pub fn size() -> Option<(u16, u16)> {
+    let size = terminal::window_size().ok()?;
+    (size.columns > 0 && size.rows > 0).then_some((size.columns, size.rows))
 }
 
 impl Screen {

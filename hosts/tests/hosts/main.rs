@@ -2,7 +2,9 @@
 //! cable is cut or frames are lost, in two network namespaces, which need an administrator.
 
 mod cables;
+mod gate;
 mod hall;
+mod killed;
 mod licences;
 mod mutations;
 mod panel;

@@ -4,9 +4,11 @@
 use std::{net::TcpListener, time::Duration};
 
 use hosts::{
-    door::{Door, OTHER_KEY},
+    call::call,
+    door::Door,
     hello::{Answer, Hello, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
     message::Message,
+    proof::Role,
     seal::{self, Greeting, Key, Level, Sealer},
     wire::{Event, Wire},
 };
@@ -79,6 +81,7 @@ struct Hosts {
     upper: Wire,
     key: Key,
     here: Identity,
+    _folder: tempfile::TempDir,
 }
 
 impl Hosts {
@@ -89,12 +92,13 @@ impl Hosts {
         let key = Key::read(&path).expect("its own");
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("a port").to_string();
-        drop(listener);
-        let lower = Wire::open(Level::Lower, &address).expect("a wire");
-        let upper = Wire::open(Level::Upper, &address).expect("a wire");
+        let lower = Wire::behind_a_gate(listener, &key, folder.path()).expect("a wire");
+        let mut upper = Wire::that_calls().expect("a wire");
+        let net = call(&address, &key.gate(), Role::Operator, Duration::from_secs(5)).expect("let in");
+        upper.over(net).expect("a wire");
         let here = Identity::here("0.1.0", &"a1".repeat(32));
         let door = Door::new(key.clone(), here.clone(), lower.mouths(), None);
-        Hosts { door, lower, upper, key, here }
+        Hosts { door, lower, upper, key, here, _folder: folder }
     }
 
     fn hello(&self, wants: Wants) -> (u128, Hello) {
@@ -140,7 +144,6 @@ fn any_bytes_at_the_door_begin_nothing_and_who_has_a_session_keeps_it() {
     for wants in wants {
         corpus.push(sealed(Greeting::Hello, &hosts.key, &hosts.hello(wants).1).expect("sealed"));
     }
-    corpus.push(OTHER_KEY.to_vec());
     let mut seed = Seed::new(62);
     for number in 0..count("PITCHLOCK_MUTATIONS", MUTATIONS) as usize {
         let from = &corpus[number % corpus.len()];

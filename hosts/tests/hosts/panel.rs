@@ -294,7 +294,8 @@ fn what_is_not_for_the_machine_of_another_computer_is_refused_with_the_remedy() 
         (&["panel", "part.ngc", "--tools", "t.tbl"][..], "the machine has its own"),
         (&["panel", "part.ngc", "--out", "runs/a"], "run folders are made by `pitchlock serve`"),
         (&["panel", "--in-process"], "leave it out"),
-        (&["run", "part.ngc", "--resume"], "run it there: its run folder is on that computer"),
+        (&["run", "part.ngc", "--resume"], "go on with it there: its run folder is on that computer"),
+        (&["run", "part.ngc", "--from", "2", "--dry-run"], "leave it out"),
         (&["run", "part.ngc", "--panel"], "pitchlock panel PROGRAM --at"),
     ] {
         let mut command = place.command(Host::A, &control());

@@ -236,6 +236,14 @@ impl Place {
         until("the machine waits", 20.0, || self.said().contains("the machine waits"));
     }
 
+    /// Its launcher is killed.
+    pub(crate) fn kill_serve(&mut self) {
+        let mut serve = self.serve.take().expect("it serves");
+        // It is ours, and not collected yet: its number is that of nobody else.
+        serve.kill().expect("it lives");
+        serve.wait().expect("it has ended");
+    }
+
     /// What the machine has said.
     pub(crate) fn said(&self) -> String {
         fs::read_to_string(self.at("serve.txt")).unwrap_or_default()

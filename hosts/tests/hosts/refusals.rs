@@ -1,13 +1,19 @@
 //! Who is not let in, and why: each difference by its name, before anything moves.
 
 use hosts::{
+    call::call,
     hello::{Answer, Hello, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
     message::Message,
+    proof::Role,
     seal::{self, Greeting, Key, Level, Opener, Sealer},
     wire::{Event, Wire},
 };
 use process::ipc::time::Moment;
-use std::process::{Command, Output, Stdio};
+use std::{
+    net::TcpStream,
+    process::{Command, Output, Stdio},
+    time::Duration,
+};
 
 use crate::place::{Host, LINK, Place, control, ended, project, signal, summary, until, wait_s};
 
@@ -116,8 +122,10 @@ pub(crate) struct Speaker {
 
 impl Speaker {
     pub(crate) fn new(place: &Place) -> Speaker {
-        let wire = Wire::open(Level::Upper, &place.address).expect("a wire");
         let key = Key::read(&place.at("key")).expect("its key");
+        let mut wire = Wire::that_calls().expect("a wire");
+        let net = call(&place.address, &key.gate(), Role::Operator, Duration::from_secs(10)).expect("let in");
+        wire.over(net).expect("a wire");
         Speaker { wire, key, machine: machine_hash(place) }
     }
 
@@ -132,7 +140,7 @@ impl Speaker {
         loop {
             assert!(!deadline.passed(), "nobody answers");
             self.says(&greeting);
-            let Some(Event::Frame(bytes)) = self.wire.wait(std::time::Duration::from_millis(100)) else {
+            let Some(Event::Frame(bytes)) = self.wire.wait(Duration::from_millis(100)) else {
                 continue;
             };
             let answer = opened::<Answer>(Greeting::Answer, &self.key, &bytes);
@@ -162,7 +170,7 @@ impl Speaker {
     pub(crate) fn hears(&self, opener: &mut Opener) -> Vec<Message> {
         let (deadline, mut all) = (Moment::in_s(0.5), Vec::new());
         while !deadline.passed() {
-            if let Some(Event::Frame(bytes)) = self.wire.wait(std::time::Duration::from_millis(50))
+            if let Some(Event::Frame(bytes)) = self.wire.wait(Duration::from_millis(50))
                 && let Ok(body) = opener.open(&bytes)
             {
                 all.extend(Message::of(body).filter(|message| *message != Message::Beat));
@@ -227,11 +235,12 @@ fn strangers_change_nothing_in_a_run_and_are_counted() {
         speaker.says(&sealer.seal(&Message::Press(2).bytes()));
         speaker.says(&Greeting::Hello.seal(&other, b"{}"));
         speaker.says(&vec![number; usize::from(number) * 7]);
+        drop(TcpStream::connect(&place.address));
         wait_s(0.01);
     }
     let output = ended(child, 60.0);
     assert_eq!(summary(&output)["trace_hash"], alone["trace_hash"]);
-    until("strangers are told", 5.0, || place.said().contains("greetings under another key"));
+    until("strangers are told", 5.0, || place.said().contains("at the gate: 50 who have not the key"));
 }
 
 /// Two at once: the second is told that the machine is busy. And Ctrl-C where the program is stops the

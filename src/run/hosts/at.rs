@@ -1,7 +1,7 @@
 //! `pitchlock run --at`: the program is here, and the machine on another computer. In: what `run` is given.
 //! Out: what became of the run there. Here are the interpreter and the link, and between them a name space.
 
-use std::process::ExitCode;
+use std::process::{ExitCode, Stdio};
 
 use process::{
     ipc::{Host, NameSpace, Process, time::Moment},
@@ -44,7 +44,8 @@ pub(super) fn refuses(all: &[(bool, &str, &str)]) -> Result<(), CliError> {
 pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<ExitCode, CliError> {
     refuses(&[
         (asked.in_process, "--in-process", HERE_ALONE),
-        (asked.resume, "--resume", "run it there: its run folder is on that computer"),
+        (asked.resume, "--resume", "go on with it there: its run folder is on that computer"),
+        (asked.dry_run, "--dry-run", HERE_ALONE),
         (asked.with_panel, "--panel", "pitchlock panel PROGRAM --at starts from the page"),
         (asked.processes, "--processes", HERE_ALONE),
         (asked.out.is_some(), "--out", "run folders are made by `pitchlock serve`, in its folder"),
@@ -55,7 +56,7 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
     let mut command = command("upper", &asked.machine, key)?;
     command.arg("--at").arg(at);
-    let link = Link::start(command)?;
+    let link = Link::start(command, Stdio::null())?;
     let mut far = Far { setup: &setup, link, interrupts: caught, wish: Wish::None, at, quiet, joined: false };
     let program = setup.folder.program.file_name().unwrap_or_default().to_string_lossy();
     let ended = far.run(&asked_for(asked, &program, setup.seed));

@@ -10,9 +10,13 @@ mod stand;
 
 use std::{
     io::{BufRead as _, BufReader, Write as _},
-    os::unix::process::CommandExt as _,
+    net::Shutdown,
+    os::{
+        fd::OwnedFd,
+        unix::{net::UnixStream, process::CommandExt as _},
+    },
     path::Path,
-    process::{Child, ChildStdin, Command, ExitCode, Stdio},
+    process::{Child, Command, ExitCode, Stdio},
     sync::mpsc::{Receiver, channel},
     time::Duration,
 };
@@ -47,7 +51,7 @@ pub(crate) struct Link {
 /// What a link says, and what it is told.
 pub(crate) struct Heard {
     said: Receiver<Said>,
-    ear: ChildStdin,
+    ear: UnixStream,
     wish: Wish,
     why: Option<String>,
     /// Somebody in a hall asks what the machine does.
@@ -85,7 +89,7 @@ fn bare(end: &str) -> Result<Command, CliError> {
 pub(crate) fn hall(machines: &[Watch]) -> Result<Link, CliError> {
     let mut command = bare("hall")?;
     command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
-    let mut link = Link::start(command)?;
+    let mut link = Link::start(command, Stdio::null())?;
     link.heard.says(&machines)?;
     Ok(link)
 }
@@ -99,18 +103,21 @@ pub(crate) fn ping(machine: &MachineArgs, (at, key): (&str, &Path)) -> Result<Ex
 }
 
 impl Link {
-    /// Starts it, in a process group of its own: Ctrl-C reaches the launcher only.
-    fn start(mut command: Command) -> Result<Link, CliError> {
+    /// Starts it, in a process group of its own: Ctrl-C reaches the launcher only. Its standard input is a
+    /// socket by which both speak; its standard output, at the machine, the address at which it is called.
+    fn start(mut command: Command, address: Stdio) -> Result<Link, CliError> {
         let wrong = |error: std::io::Error| CliError::Machine(format!("cannot start {LINK}: {error}"));
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).process_group(0);
-        let mut child = command.spawn().map_err(wrong)?;
-        let (Some(ear), Some(mouth)) = (child.stdin.take(), child.stdout.take()) else {
-            return Err(CliError::Machine(format!("{LINK} has no pipes")));
-        };
+        let (ear, its) = UnixStream::pair().map_err(wrong)?;
+        command.stdin(Stdio::from(OwnedFd::from(its))).stdout(address).process_group(0);
+        let child = command.spawn().map_err(wrong)?;
+        // The command has the other end of the socket: without it that has ended when the process has.
+        drop(command);
+        let mouth = ear.try_clone().map_err(wrong)?;
         let (sender, said) = channel();
         let hear = move || {
             let lines = BufReader::new(mouth).lines().map_while(Result::ok);
-            let all = lines.filter_map(|line| serde_json::from_str(&line).ok());
+            // What comes from another computer is shown here: it steers no terminal.
+            let all = lines.filter_map(|line| serde_json::from_str(&line).ok()).map(Said::harmless);
             // Who started it may want nothing more.
             all.for_each(|said| drop(sender.send(said)));
         };
@@ -138,7 +145,8 @@ impl Link {
     /// It hears that nothing more is wanted, has a moment for its last words, and is ended.
     pub(crate) fn end(self) {
         let Link { mut child, heard: Heard { said, ear, .. } } = self;
-        drop(ear);
+        // It may have ended already.
+        let _ = ear.shutdown(Shutdown::Write);
         let _ = said.recv_timeout(LAST_WORDS);
         let _ = child.kill();
         let _ = child.wait();

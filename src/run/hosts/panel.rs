@@ -4,7 +4,7 @@
 
 use std::{
     os::unix::net::UnixListener,
-    process::ExitCode,
+    process::{ExitCode, Stdio},
     sync::{atomic::Ordering, mpsc::RecvTimeoutError},
     time::Duration,
 };
@@ -76,7 +76,7 @@ pub(crate) fn panel_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<
     let listener = listener.map_err(|error| CliError::file(&socket, error))?;
     let mut command = command("panel", &asked.machine, key)?;
     command.arg("--at").arg(at);
-    let link = Link::start(command)?;
+    let link = Link::start(command, Stdio::null())?;
     let first =
         serde_json::to_string(&server.first()).map_err(|error| CliError::Machine(error.to_string()))?;
     let tells = vec![send, Told::Panel { socket, first: first + "\n" }];

@@ -2,8 +2,11 @@
 //! address, a key. Out: a run as any other, whose interpreter is far away; its run folder lies here.
 
 use std::{
+    io::ErrorKind,
+    net::TcpListener,
+    os::fd::OwnedFd,
     path::{Path, PathBuf},
-    process::ExitCode,
+    process::{ExitCode, Stdio},
 };
 
 use clap::{Args, Parser as _};
@@ -16,6 +19,7 @@ use crate::{
     cli::{Cli, Command},
     error::CliError,
     run::{Prepared, RunArgs, claim::SUMMARY, folder::arguments_of, interrupts::Interrupts},
+    screen,
     temporary::Temporary,
     words,
 };
@@ -55,10 +59,28 @@ enum Wanted {
     Panel(Vec<String>),
 }
 
+/// The address at which the other computer calls, from here on until this process ends.
+fn listens(address: &str) -> Result<TcpListener, CliError> {
+    TcpListener::bind(address).map_err(|error| {
+        let help = match error.kind() {
+            ErrorKind::AddrInUse => {
+                "another program listens there: `ss -ltnp` names it; or take another port"
+            }
+            ErrorKind::AddrNotAvailable => "it is not an address of this computer: `ip address` lists those",
+            ErrorKind::PermissionDenied => {
+                "a port below 1024 is for an administrator: take another one, as 7447"
+            }
+            _ => "HOST:PORT, an address of this computer, as in 10.0.0.2:7447",
+        };
+        CliError::Input(format!("--listen {address}: {error}\nhelp: {help}"))
+    })
+}
+
 /// Waits for programs, and runs them.
 pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let (machine, _) = args.machine.read()?;
     let machine = machine.general.name;
+    let listener = listens(&args.listen)?;
     let mut interrupts = Some(Interrupts::catch()?);
     let kept = Temporary::new(FOLDER)?;
     let outcome = kept.path().join("outcome.json");
@@ -66,12 +88,14 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
     loop {
         let incoming = Temporary::new(FOLDER)?;
         let mut command = command("lower", &args.machine, &args.key)?;
-        command.arg("--listen").arg(&args.listen).arg("--into").arg(incoming.path());
+        command.arg("--into").arg(incoming.path());
         if outcome.exists() {
             command.arg("--outcome").arg(&outcome);
         }
-        let link = Link::start(command)?;
-        let Some((link, wanted)) = asked_for(link, (&machine, quiet), &mut interrupts, &mut told)? else {
+        let address = listener.try_clone().map_err(|error| CliError::Machine(error.to_string()))?;
+        let link = Link::start(command, Stdio::from(OwnedFd::from(address)))?;
+        let told = (!std::mem::replace(&mut told, true) && !quiet).then_some(&*args.listen);
+        let Some((link, wanted)) = asked_for(link, &machine, told, &mut interrupts)? else {
             return Ok(ExitCode::SUCCESS);
         };
         let (run, words) = match wanted {
@@ -91,7 +115,7 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
             Ok((folder, summary)) => json!({ "run": run, "folder": folder, "summary": summary }),
             Err(error) => {
                 words::say(&format!("error: {error}\n"));
-                json!({ "run": run, "error": error.to_string() })
+                json!({ "run": run, "error": screen::plain(&error.to_string()) })
             }
         };
         let written = intake::replace(&outcome, value.to_string().as_bytes());
@@ -103,14 +127,14 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
 /// The link with a run that somebody asks for; `None` if nothing is wanted any more.
 fn asked_for(
     mut link: Link,
-    (machine, quiet): (&str, bool),
+    machine: &str,
+    told: Option<&str>,
     interrupts: &mut Option<Interrupts>,
-    told: &mut bool,
 ) -> Result<Option<(Link, Wanted)>, CliError> {
     loop {
         match link.says() {
-            Some(Said::Listening(address)) if !quiet && !std::mem::replace(told, true) => {
-                words::say(&format!("the machine waits at {address}\n"));
+            Some(Said::Listening) => {
+                told.iter().for_each(|address| words::say(&format!("the machine waits at {address}\n")));
             }
             Some(Said::Run { run, words }) => return Ok(Some((link, Wanted::Run(run, words)))),
             Some(Said::Panel { words }) => return Ok(Some((link, Wanted::Panel(words)))),
@@ -177,7 +201,7 @@ fn one_run(
     let prepared = match prepared {
         Ok(prepared) => prepared,
         Err(error) => {
-            link.heard.tell(&Told::Refuse(error.to_string()))?;
+            link.heard.tell(&Told::Refuse(screen::plain(&error.to_string())))?;
             link.end();
             return Err(error);
         }

@@ -32,7 +32,7 @@ use crate::{
     error::CliError,
     panel::{CTRL_C, LOOK},
     run::interrupts::{Interrupts, Wish},
-    words,
+    screen, words,
 };
 
 /// The name of the socket; no file that comes has one like it.
@@ -54,7 +54,7 @@ pub(super) fn stand(
     let mut panel = match begun {
         Ok(panel) => panel,
         Err(error) => {
-            link.heard.tell(&Told::Refuse(error.to_string()))?;
+            link.heard.tell(&Told::Refuse(screen::plain(&error.to_string())))?;
             link.end();
             return Err(error);
         }
@@ -89,7 +89,9 @@ pub(super) fn stand(
     }
     let ended = panel.ends();
     match &ended {
-        Err(error @ CliError::Input(_)) => link.heard.tell(&Told::Refuse(error.to_string()))?,
+        Err(error @ CliError::Input(_)) => {
+            link.heard.tell(&Told::Refuse(screen::plain(&error.to_string())))?
+        }
         _ => link.heard.tell(&Told::Over)?,
     }
     link.end();
