@@ -23,9 +23,10 @@ pub use wire::{FromPanel, HandAsked, Play, Point, ToPanel};
 pub type Save = fn(&str, &[String], &[f64]) -> Result<Vec<u8>, String>;
 
 /// The pages, as they are sent: path, kind, content.
-pub const PAGES: [(&str, &str, &str); 4] = [
+pub const PAGES: [(&str, &str, &str); 5] = [
     ("/", "text/html; charset=utf-8", include_str!("../pages/index.html")),
     ("/panel.css", "text/css; charset=utf-8", include_str!("../pages/panel.css")),
     ("/panel.js", "text/javascript; charset=utf-8", include_str!("../pages/panel.js")),
+    ("/icon.svg", "image/svg+xml", include_str!("../pages/icon.svg")),
     ("/scope.js", "text/javascript; charset=utf-8", include_str!("../pages/scope.js")),
 ];

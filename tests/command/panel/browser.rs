@@ -90,6 +90,12 @@ impl Browser {
         answer["result"]["result"]["value"].clone()
     }
 
+    /// Goes to another page, as by the line for addresses.
+    pub(super) fn go(&mut self, url: &str) {
+        self.value("window.before = true");
+        self.tell("Page.navigate", &json!({ "url": url }));
+    }
+
     /// The text of an element; none as long as the page is not there.
     fn text(&mut self, id: &str) -> String {
         self.value(&format!("document.getElementById('{id}')?.textContent ?? ''"))
