@@ -158,8 +158,8 @@ fn what_happens_to_the_computer_is_not_kept() {
     meanwhile("changed", &changes, "has changed meanwhile");
 }
 
-/// A disk that is full at the first byte, at the last, and between: the jobs that had no room are made when there
-/// is some, and the table is that of a disk with room.
+/// A disk that is full at the first byte, at the last, and between: the jobs that had no room are made when
+/// there is some, and the table is that of a disk with room.
 #[test]
 fn a_full_disk_costs_jobs_and_no_rows() {
     if !can_be_private("a_full_disk_costs_jobs_and_no_rows") {
