@@ -1,6 +1,6 @@
-//! Rows as Parquet. In: rows, twice, and the names that come first. Out: one file: a column for each name, of
-//! the kind that holds all of its values, in the order of the names; what a row has not is null. The same rows
-//! make the same bytes, and no more of them than one group are held at a time.
+//! Rows as Parquet. In: rows, twice, and the names that come first. Out: one file: a column for each name,
+//! of the kind that holds all of its values, in the order of the names; what a row has not is null. The same
+//! rows make the same bytes, and no more of them than one group are held at a time.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -94,7 +94,8 @@ pub struct Table<W: Write + Send> {
 }
 
 impl<W: Write + Send> Table<W> {
-    /// Begins a file. `seen` has seen every row that will be pushed; `first` are the names of the first columns.
+    /// Begins a file. `seen` has seen every row that will be pushed; `first` are the names of the columns that
+    /// come first.
     ///
     /// # Errors
     /// The file cannot be written.

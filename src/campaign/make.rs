@@ -99,8 +99,8 @@ fn of_run(run: &Run, status: i32, made: &Ended, scratch: &Path) -> Result<Vec<Ro
             Err(why) => why,
         },
     };
-    // Whose arguments are refused says so. Who has nothing to print had nowhere to: a full disk or the like, as
-    // is what is wrong with a folder of ours.
+    // Whose arguments are refused says so. Who has nothing to print had nowhere to: a full disk or the like,
+    // as is what is wrong with a folder of ours.
     if status == 0 || (document.is_none() && status != 2) || why.contains(&scratch.display().to_string()) {
         return Err(format!("gives no rows: {why}"));
     }
