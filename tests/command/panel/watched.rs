@@ -246,7 +246,7 @@ fn an_optional_stop_that_is_turned_off_is_passed() {
 #[test]
 fn what_is_to_come_and_the_groove_are_seen() {
     let place = Place::new();
-    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", "10"]);
+    let panel = watched(&place, &example("m20x2").display().to_string(), "run", &["--pace", "4"]);
     let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{value} is no number"));
     let (mut state, mut left) = (Value::Null, f64::INFINITY);
     until("a pass is on the helix", || {
