@@ -71,6 +71,27 @@ impl ByHand {
         items.map(|items| items.into_iter().map(|item| Item { line, ..item }).collect())
     }
 
+    /// Whether the last block moves nothing and does the same wherever the axes are: it sets no offset to
+    /// where they stand. `items` are those that it is.
+    pub fn is_anywhere(&mut self, text: &str, at: &PerAxis<Position>, items: &[Item]) -> bool {
+        let moves = |item: &Item| item.is_move() || matches!(item.code, Code::Pass(_) | Code::Work(_));
+        if items.iter().any(moves) {
+            return false;
+        }
+        let left = |hand: &ByHand| (hand.outlasting(), hand.tools().clone(), hand.origin());
+        let here = left(self);
+        self.forget_last();
+        let elsewhere = at.map(|position| position.moved(1.0));
+        let there = self.block(text, &elsewhere).map(|items| (items, left(self)));
+        if there.is_ok() {
+            self.forget_last();
+        }
+        let again = self.block(text, at);
+        assert!(again.is_ok(), "it was right before");
+        // The first item says where it begins.
+        there.is_ok_and(|(others, there)| others[1..] == items[1..] && there == here)
+    }
+
     /// The last block is not to be made after all.
     pub fn forget_last(&mut self) {
         self.given.pop();

@@ -6,7 +6,7 @@ use protocol::{Item, operator::Request};
 use serde_json::{Map, Value, json};
 
 use super::{
-    hand::{Given, Hand},
+    hand::{Given, Hand, NotGiven},
     live::Live,
     mode::{Doing, Mode, Press},
     session::Who,
@@ -43,9 +43,6 @@ impl Live {
             let why = self.mode.refuses(press).unwrap_or("this run is no work by hand");
             return self.refuse(ticket, "not-now", why);
         };
-        if let Some(why) = hand.not_referenced(asked) {
-            return self.refuse(ticket, "not-referenced", &why);
-        }
         let mut send = |request, who| {
             self.session.sent(request, who);
             requests.push(request);
@@ -54,7 +51,8 @@ impl Live {
             return send(Request::Jog(true), Who::Panel(ticket));
         }
         match hand.give(asked) {
-            Err(why) => {
+            Err(NotGiven::NotReferenced(why)) => self.refuse(ticket, "not-referenced", &why),
+            Err(NotGiven::Bad(why)) => {
                 let code = if press == Press::Table { "bad-offset" } else { "bad-block" };
                 self.refuse(ticket, code, &why);
             }

@@ -17,7 +17,7 @@ use motion::Exit;
 use protocol::{Axis, ByHand, Code, CodePacket, Feed, Item, MachineState, PerAxis, Position};
 use rig::observe::Record;
 
-use super::{mode::Doing, tables::typed};
+use super::{lost::Lost, mode::Doing, tables::typed};
 use crate::offsets::{Set, Table, Target};
 
 /// A jog comes to rest in so long, s: with the time for which its key stays pressed with nobody to confirm
@@ -39,8 +39,21 @@ pub(crate) struct Hand {
     doing: Doing,
     /// Where the axes rest, while the machine waits for a block.
     rests: Option<PerAxis<Position>>,
-    /// The axes whose reference run is still to be made.
-    lost: Vec<Axis>,
+    lost: Lost,
+}
+
+/// Why something is not given.
+pub(crate) enum NotGiven {
+    /// It is wrong.
+    Bad(String),
+    /// It asks where axes are whose reference run is still to be made.
+    NotReferenced(String),
+}
+
+impl<T: Into<String>> From<T> for NotGiven {
+    fn from(why: T) -> NotGiven {
+        NotGiven::Bad(why.into())
+    }
 }
 
 /// What goes to the machine.
@@ -69,15 +82,14 @@ impl Hand {
             steps,
             doing: Doing::Block,
             rests: None,
-            lost: Vec::new(),
+            lost: Lost::default(),
         })
     }
 
     /// One control cycle.
     pub(crate) fn cycle(&mut self, record: &Record) {
         let Record { axes, machine, .. } = record;
-        self.lost.clear();
-        self.lost.extend(axes.iter().map(|(axis, _)| *axis).filter(|axis| machine.is_unreferenced(*axis)));
+        self.lost.look(record);
         let waits = machine.state() == MachineState::ByHand && machine.taken >= self.steps;
         let rest = |(_, status): &(Axis, protocol::AxisStatus)| {
             status.velocity_mm_s == 0.0 && status.acceleration_mm_s2 == 0.0 && status.in_position != 0
@@ -123,25 +135,25 @@ impl Hand {
         self.items.iter().copied().chain([end]).collect()
     }
 
-    /// Why this is not asked of axes of which nobody knows where they are, if they are such.
-    pub(crate) fn not_referenced(&self, asked: &HandAsked) -> Option<String> {
-        let moves =
-            matches!(asked, HandAsked::Block(_) | HandAsked::Step { .. } | HandAsked::TouchOff { .. });
-        // Home of an axis that is lost is its reference run; of another one it is a move.
-        let is_lost = |name: &str| self.lost.iter().any(|axis| axis.name().eq_ignore_ascii_case(name));
-        let moves = moves || matches!(asked, HandAsked::Home(name) if !is_lost(name));
-        let names: Vec<_> = self.lost.iter().map(|axis| axis.name().to_ascii_uppercase()).collect();
-        (moves && !names.is_empty()).then(|| {
-            let (names, is) = (names.join(" and "), if names.len() > 1 { "are" } else { "is" });
-            format!("{names} {is} not referenced, and only jogs: press Home of it first")
-        })
+    /// Why this is not asked of axes of which nobody knows where they are, if there are such.
+    fn not_referenced(&self, asked: &HandAsked) -> Option<String> {
+        let moves = match asked {
+            HandAsked::Step { .. } | HandAsked::TouchOff { .. } => true,
+            // Home of an axis that is lost is its reference run; of another one it is a move.
+            HandAsked::Home(name) => !self.axis(name).is_ok_and(|(axis, _)| self.lost.has(axis)),
+            _ => false,
+        };
+        self.lost.why().filter(|_| moves)
     }
 
     /// What somebody asks for, as machine code.
     ///
     /// # Errors
     /// Why it is not done; nothing has changed.
-    pub(crate) fn give(&mut self, asked: &HandAsked) -> Result<Given, String> {
+    pub(crate) fn give(&mut self, asked: &HandAsked) -> Result<Given, NotGiven> {
+        if let Some(why) = self.not_referenced(asked) {
+            return Err(NotGiven::NotReferenced(why));
+        }
         let at = self.rests.ok_or("the axes have not come to rest yet: press again")?;
         let given = match asked {
             HandAsked::Block(text) => self.block(text, &at)?,
@@ -156,38 +168,35 @@ impl Hand {
                 let [low, high] = config.travel_mm;
                 if !(low..=high).contains(&target.mm()) {
                     let name = axis.name().to_ascii_uppercase();
-                    return Err(format!(
-                        "{name} would go to {:.3} of the machine, and its travel is {low} to {high}",
-                        target.mm()
-                    ));
+                    let (to, travel) = (target.mm(), format!("its travel is {low} to {high}"));
+                    return Err(format!("{name} would go to {to:.3} of the machine, and {travel}").into());
                 }
                 let most = 60.0 * config.velocity_mm_s;
                 self.jog(&at, (axis, target), feed(*mm_min, most)?, false)
             }
             HandAsked::Home(axis) => {
                 let (axis, config) = self.axis(axis)?;
-                if self.lost.contains(&axis) {
+                if self.lost.has(axis) {
                     return Ok(self.taken(self.reference(&at, axis)));
                 }
                 let target = Position::from_mm(config.home_mm);
                 if at[axis.index()] == target {
-                    return Err(format!("{} stands at its home", axis.name().to_ascii_uppercase()));
+                    return Err(format!("{} stands at its home", axis.name().to_ascii_uppercase()).into());
                 }
                 self.jog(&at, (axis, target), Feed::Rapid, false)
             }
             HandAsked::Jog { axis, positive, mm_min } => {
                 let (axis, config) = self.axis(axis)?;
-                if let Some(reference) = config.reference.filter(|_| self.lost.contains(&axis)) {
-                    // Nobody knows where its travel ends: so far and so slowly as it is searched.
-                    let [low, high] = config.travel_mm;
-                    let target = at[axis.index()].moved(if *positive { high - low } else { low - high });
-                    let most = (60.0 * reference.search_mm_s.abs()).min(fastest_jog(config));
+                let here = at[axis.index()];
+                let lost = self.lost.jogs((axis, config), &self.machine.general, here, *positive);
+                if let Some((target, most)) = lost.transpose()? {
                     let given = self.jog(&at, (axis, target), feed(mm_min.min(most), most)?, true);
                     return Ok(self.taken(given));
                 }
                 let target = Position::from_mm(config.travel_mm[usize::from(*positive)]);
-                if at[axis.index()] == target {
-                    return Err(format!("{} is at the end of its travel", axis.name().to_ascii_uppercase()));
+                if here == target {
+                    let name = axis.name().to_ascii_uppercase();
+                    return Err(format!("{name} is at the end of its travel").into());
                 }
                 self.jog(&at, (axis, target), feed(*mm_min, fastest_jog(config))?, true)
             }
@@ -221,18 +230,11 @@ impl Hand {
     }
 
     /// A block, read by the interpreter of programs.
-    fn block(&mut self, text: &str, at: &PerAxis<Position>) -> Result<Given, String> {
+    fn block(&mut self, text: &str, at: &PerAxis<Position>) -> Result<Given, NotGiven> {
         if text.lines().any(has_tape_mark) {
             return Err("a % stands before and behind a program, and a block has none: leave it out".into());
         }
-        let items = self.reader.block(text, at).map_err(|errors| {
-            let told = errors.iter().map(|error| match error.help.as_str() {
-                "" => error.message.clone(),
-                help => format!("{}: {help}", error.message),
-            });
-            told.collect::<Vec<_>>().join("; ")
-        });
-        let items = items?;
+        let items = self.reader.block(text, at).map_err(|errors| in_words(&errors))?;
         let job = |item: &Item| matches!(item.code, Code::Work(_) | Code::Formula { .. });
         let bytes: usize = items.iter().map(|item| CodePacket::pack(0, item).as_bytes().len() + 2).sum();
         let refused = match () {
@@ -242,7 +244,13 @@ impl Hand {
         };
         if let Some(why) = refused {
             self.reader.forget_last();
-            return Err(format!("{why}: run it as a program"));
+            return Err(format!("{why}: run it as a program").into());
+        }
+        if let Some(why) = self.lost.why()
+            && !self.reader.is_anywhere(text, at, &items)
+        {
+            self.reader.forget_last();
+            return Err(NotGiven::NotReferenced(why));
         }
         Ok(Given { items, jogs: false, text: text.trim().replace(['\n', '\r'], " / ") })
     }
@@ -336,6 +344,15 @@ impl Hand {
         let words: Vec<_> = sets.iter().map(word).collect::<Result<_, _>>()?;
         Ok(format!("{head} {}", words.join(" ")))
     }
+}
+
+/// What is wrong with a block.
+fn in_words(errors: &[gcode::Diagnostic]) -> String {
+    let told = errors.iter().map(|error| match error.help.as_str() {
+        "" => error.message.clone(),
+        help => format!("{}: {help}", error.message),
+    });
+    told.collect::<Vec<_>>().join("; ")
 }
 
 /// Whether a line has a % outside of comments.

@@ -6,6 +6,7 @@ mod by_hand;
 pub(crate) mod hand;
 mod known;
 mod live;
+mod lost;
 mod mode;
 mod opened;
 mod plan;
