@@ -6,6 +6,7 @@
 use std::{
     collections::VecDeque,
     io::{ErrorKind, Read as _, Write as _},
+    net::Shutdown,
     os::{
         fd::{AsFd as _, BorrowedFd},
         unix::net::UnixStream,
@@ -33,6 +34,8 @@ pub struct Link {
     out: Vec<u8>,
     rows: VecDeque<Vec<u8>>,
     rows_bytes: usize,
+    /// Bytes of the state that was offered last: it is in no answer's way.
+    state_bytes: usize,
     read: Vec<u8>,
     dropped: u64,
     broken: bool,
@@ -53,6 +56,7 @@ impl Link {
             out: Vec::new(),
             rows: VecDeque::new(),
             rows_bytes: 0,
+            state_bytes: 0,
             read: Vec::new(),
             dropped: 0,
             broken: false,
@@ -121,6 +125,7 @@ impl Link {
         let free = self.is_free();
         if free {
             self.put(message);
+            self.state_bytes = self.out.len();
             self.is_free();
         } else {
             self.dropped += 1;
@@ -130,7 +135,7 @@ impl Link {
 
     /// Sends this behind what is on the way, as long as that is not much.
     pub fn answer(&mut self, message: &ToPanel) {
-        if self.is_free() || self.messages() < MOST_ANSWERS {
+        if self.is_free() || self.messages() < MOST_ANSWERS + self.state_bytes {
             self.put(message);
             self.is_free();
         } else {
@@ -172,6 +177,13 @@ impl Link {
         self.read.drain(..=end);
         self.broken |= press.is_err();
         press.ok()
+    }
+
+    /// Nothing more comes: the panel shows what it has heard and goes.
+    pub fn ends(&mut self) {
+        self.is_free();
+        // It may be gone already.
+        let _ = self.stream.shutdown(Shutdown::Write);
     }
 
     /// Whether the panel is gone, or sends what nobody understands.
@@ -260,6 +272,25 @@ mod tests {
             }
         }
         assert!(seen.is_some_and(|seen| seen < given / 2), "{seen:?} of {given}");
+    }
+
+    /// A state that is long and on its way drops no answer.
+    #[test]
+    fn an_answer_goes_behind_a_state_of_any_length() {
+        let (ours, theirs) = UnixStream::pair().expect("a pair of sockets");
+        let mut link = Link::new(ours).expect("it need not wait");
+        let long = serde_json::json!({ "padding": "x".repeat(40 * MOST_ANSWERS) });
+        assert!(link.offer(&ToPanel::Set(long.as_object().cloned().unwrap_or_default())));
+        assert!(!link.is_free(), "it fills the socket");
+        link.answer(&ToPanel::Taken { ticket: 7, cycle: 9 });
+        assert_eq!(link.dropped(), 0);
+        let reads = std::thread::spawn(move || BufReader::new(theirs).lines().nth(1));
+        while !reads.is_finished() {
+            link.is_free();
+        }
+        let answer = reads.join().expect("it ends").expect("it comes").expect("it can be read");
+        let answer = serde_json::from_str(&answer).expect("a whole message");
+        assert!(matches!(answer, ToPanel::Taken { ticket: 7, cycle: 9 }));
     }
 
     #[test]

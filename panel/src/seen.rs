@@ -68,7 +68,8 @@ pub struct MachineSeen {
 pub struct AxisSeen {
     /// Its name.
     pub name: String,
-    /// Whether its position is known: false until its reference run is made, if the machine has one.
+    /// Whether its position is known: false until its reference run is made, if the machine has one, and as
+    /// soon as the machine is off.
     pub referenced: bool,
     /// Where the control leads it, mm.
     pub commanded_mm: f64,

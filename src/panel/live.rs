@@ -4,7 +4,7 @@
 use std::{os::fd::BorrowedFd, path::Path, time::Duration};
 
 use ::panel::{MachineSeen, Point, ProgramSeen, ToPanel};
-use process::ipc::time::Moment;
+use process::ipc::time::{Moment, sleep_until};
 use protocol::{Arrival, Input, Item, Taken, operator::Request};
 use rig::observe::{Observer, Record, Summary};
 use serde::Serialize;
@@ -25,6 +25,10 @@ use crate::{error::CliError, run::folder::PRESSES};
 
 /// Control cycles between two looks at the way of the tool, and at whether something is to be shown.
 const EVERY: u64 = 16;
+/// So long a panel that ends with its run is waited for until it has heard how that ended, and between two
+/// looks.
+const TOLD: Duration = Duration::from_secs(1);
+const SHORT_NAP: Duration = Duration::from_millis(1);
 /// Between two states that are shown.
 const SHOWN: Duration = Duration::from_millis(40);
 /// The tool has gone on when it is so far from where it was, mm.
@@ -69,6 +73,15 @@ pub(crate) struct Live {
     /// What goes to the scope, and whether the panel was told of it anew.
     pub(super) rows: Rows,
     anew: bool,
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        // Whoever ends a panel that stays does not wait for it.
+        if self.ends_with_its_run {
+            self.web.goes();
+        }
+    }
 }
 
 /// A document as its fields.
@@ -158,6 +171,11 @@ impl Live {
         self.web.link.is_free();
     }
 
+    /// Whether the panel has all that stands, or is none.
+    fn is_told(&mut self) -> bool {
+        self.web.link.is_broken() || !self.stale && self.untold.is_empty() && self.web.link.is_free()
+    }
+
     /// Whether the scope has begun anew since somebody asked.
     pub(super) fn told_anew(&mut self) -> bool {
         std::mem::take(&mut self.anew)
@@ -177,7 +195,8 @@ impl Live {
         if self.rows.cycle(record, observer) {
             self.sends_rows();
         }
-        if !cycle.is_multiple_of(EVERY) {
+        let last = record.truth.measurement.last != 0;
+        if !(last || cycle.is_multiple_of(EVERY)) {
             return;
         }
         let place = view::place(record);
@@ -187,7 +206,6 @@ impl Live {
         if self.trail.last().is_none_or(far) {
             self.goes_through(place);
         }
-        let last = record.truth.measurement.last != 0;
         if last || self.shown.elapsed() >= SHOWN {
             self.show(record, observer);
         }
@@ -324,14 +342,15 @@ impl Live {
         for ticket in self.session.lost() {
             self.refuse(ticket, "not-running", "the run was over before the machine took it");
         }
-        // A panel that is started again behind the run shows how it ended.
-        let last = std::mem::take(&mut self.last).into_iter();
-        self.still.extend(last.filter(|(name, _)| name != "state" && name != "words"));
-        self.stands(fields(
-            &json!({ "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null, "from": null,
-                "state": "ended", "words": "the run is over" }),
-        ));
+        // One that was busy, or is started again behind the run, shows how it ended, too.
+        let ended = view::ended(std::mem::take(&mut self.last), summary, self.tables.machine());
+        self.stands(ended);
         self.look();
+        let until = Moment::now().after(TOLD);
+        while self.ends_with_its_run && !self.is_told() && Moment::now() < until {
+            sleep_until(Moment::now().after(SHORT_NAP));
+            self.look();
+        }
         let path = folder.join(PRESSES);
         let written = self.session.events().map(|text| intake::replace(&path, text.as_bytes()));
         written.transpose().map(drop).map_err(|error| CliError::file(&path, error))

@@ -1,12 +1,13 @@
 //! What is shown of a control cycle. In: a [`Record`] and what the observer knows. Out: fields of the panel.
 
 use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Point, Seen, SpindleSeen};
-use protocol::{AxisState, MachineState, MachineStatus, Motion, Panel};
-use rig::observe::{Observer, PassEnd, PassReport, Record};
+use machine::{AxisConfig, Machine};
+use protocol::{Axis, AxisState, MachineState, MachineStatus, Motion, Panel};
+use rig::observe::{FaultReport, MessageReport, Observer, PassEnd, PassReport, Record, Summary};
 
 use serde_json::{Map, Value, json};
 
-use super::{known::Known, mode::Mode};
+use super::{known::Known, live::fields, mode::Mode};
 
 /// Passes that are shown: the newest.
 const MOST_PASSES: usize = 200;
@@ -20,6 +21,29 @@ const PROMPT_LINES: u32 = 4;
 /// An axis that is slower than this stands, mm/s.
 const AXIS_STANDS: f64 = 0.05;
 
+/// What stands behind a run, whatever of it was shown: `last` is what was. Of an axis with a reference run
+/// nobody knows where it stands as soon as the machine is off.
+pub(super) fn ended(last: Map<String, Value>, summary: &Summary, machine: &Machine) -> Map<String, Value> {
+    let mut shown = last;
+    for axis in shown.get_mut("axes").and_then(Value::as_array_mut).into_iter().flatten() {
+        let of = |(own, config): (Axis, &AxisConfig)| {
+            config.reference.is_some()
+                && axis["name"].as_str().is_some_and(|name| own.name().eq_ignore_ascii_case(name))
+        };
+        if machine.axes().any(of) {
+            axis["referenced"] = json!(false);
+        }
+    }
+    shown.extend(fields(&json!({
+        "passes": passes(&summary.passes),
+        "messages": messages(&summary.messages),
+        "faults": faults(&summary.faults),
+        "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null, "from": null,
+        "state": "ended", "words": "the run is over",
+    })));
+    shown
+}
+
 /// What is seen in this cycle; lists only if there is something in them that `shown` has not.
 pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, known: &mut Known) -> Seen {
     let Record { truth, axes, machine } = record;
@@ -30,7 +54,7 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
     let (state, words) = words(record, &tool_name);
     let counts = Counts::of(observer);
     let lists = shown != Some(counts);
-    let axis = |(axis, status): &(protocol::Axis, protocol::AxisStatus)| AxisSeen {
+    let axis = |(axis, status): &(Axis, protocol::AxisStatus)| AxisSeen {
         name: axis.name().to_ascii_uppercase(),
         referenced: !machine.is_unreferenced(*axis),
         commanded_mm: status.commanded_mm,
@@ -79,9 +103,9 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
         prompt: prompt(machine, observer),
         cutting: observer.pass_so_far().map(|pass| PassSeen { end: "now".into(), ..pass_seen(&pass) }),
         coolant: coolant(machine).into(),
-        passes: lists.then(|| passes(observer)),
-        messages: lists.then(|| messages(observer)),
-        faults: lists.then(|| faults(observer)),
+        passes: lists.then(|| passes(observer.passes())),
+        messages: lists.then(|| messages(observer.told())),
+        faults: lists.then(|| faults(observer.faults())),
     }
 }
 
@@ -125,8 +149,8 @@ fn newest<T>(all: &[T], most: usize) -> &[T] {
     &all[all.len().saturating_sub(most)..]
 }
 
-fn passes(observer: &Observer) -> Vec<PassSeen> {
-    newest(observer.passes(), MOST_PASSES).iter().map(pass_seen).collect()
+fn passes(passes: &[PassReport]) -> Vec<PassSeen> {
+    newest(passes, MOST_PASSES).iter().map(pass_seen).collect()
 }
 
 fn pass_seen(pass: &PassReport) -> PassSeen {
@@ -147,17 +171,17 @@ fn pass_seen(pass: &PassReport) -> PassSeen {
     }
 }
 
-fn messages(observer: &Observer) -> Vec<Message> {
-    let told = newest(observer.told(), MOST_TOLD).iter();
+fn messages(told: &[MessageReport]) -> Vec<Message> {
+    let told = newest(told, MOST_TOLD).iter();
     told.map(|one| Message { line: one.line, cycle: one.cycle, text: one.text.clone() }).collect()
 }
 
-fn faults(observer: &Observer) -> Vec<Fault> {
+fn faults(faults: &[FaultReport]) -> Vec<Fault> {
     let remedy = |code: &str| {
         let row = protocol::fault::FAULTS.iter().find(|row| row.code == code);
         row.map(|row| row.remedy).unwrap_or_default().to_owned()
     };
-    let told = newest(observer.faults(), MOST_TOLD).iter();
+    let told = newest(faults, MOST_TOLD).iter();
     told.map(|one| Fault {
         cycle: one.cycle,
         source: one.source.clone(),
@@ -222,7 +246,7 @@ fn tool_in_words(number: u32, name: &str) -> String {
 }
 
 /// Where a pass is.
-fn in_words(axes: &[(protocol::Axis, protocol::AxisStatus)], pass: u32) -> String {
+fn in_words(axes: &[(Axis, protocol::AxisStatus)], pass: u32) -> String {
     let state = axes.iter().map(|(_, status)| status.state()).find(|state| state.is_in_pass());
     match state {
         Some(AxisState::Armed) => format!("pass {pass} waits for the index"),

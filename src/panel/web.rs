@@ -21,7 +21,7 @@ use std::{
 };
 
 use ::panel::{Link, ToPanel};
-use process::ipc::time::Moment;
+use process::ipc::time::{Moment, sleep_until};
 use serde_json::{Value, json};
 
 use super::args::PanelArgs;
@@ -29,6 +29,9 @@ use crate::{error::CliError, screen, words};
 
 /// A panel that has died is not started again before so long.
 const AGAIN: Duration = Duration::from_millis(500);
+/// Behind the end of its link so long, in such looks, until it has gone by itself; then it is ended.
+const GOES: Duration = Duration::from_millis(500);
+const NAP: Duration = Duration::from_millis(5);
 /// Bytes of the secret: 256 bits.
 const SECRET: usize = 32;
 
@@ -106,6 +109,15 @@ impl Server {
         self.child.is_none() && self.begun.is_none_or(|begun| begun.elapsed() >= AGAIN)
     }
 
+    /// Its launcher has ended the link: it goes by itself when it has shown what it heard last.
+    fn goes(&mut self) {
+        let until = Moment::now().after(GOES);
+        let lives = |child: &mut Child| matches!(child.try_wait(), Ok(None));
+        while self.child.as_mut().is_some_and(lives) && Moment::now() < until {
+            sleep_until(Moment::now().after(NAP));
+        }
+    }
+
     /// Ends the process; it may be gone already.
     fn end(&mut self) {
         if let Some(mut child) = self.child.take() {
@@ -147,6 +159,14 @@ impl Web {
         let leads = std::io::stdin().as_fd().try_clone_to_owned().map_err(failed)?;
         let home = Home::There(listener.map_err(failed)?, looked, leads.into());
         Ok(Web { home, link: nobody.map_err(failed)? })
+    }
+
+    /// It is told no more: it shows what it has heard, and goes.
+    pub(crate) fn goes(&mut self) {
+        self.link.ends();
+        if let Home::Here(server) = &mut self.home {
+            server.goes();
+        }
     }
 
     /// Says where it is, if it is here.

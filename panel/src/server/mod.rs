@@ -48,6 +48,8 @@ const MOST_HEAD: usize = 16 << 10;
 const MOST_MESSAGE: u64 = 16 << 20;
 /// Most numbers of rows at once.
 const MOST_NUMBERS: usize = 1 << 20;
+/// Looks of whoever looks behind the last message of the launcher.
+const LAST_LOOKS: u32 = 3;
 /// Presses that wait for the launcher.
 const MOST_PRESSES: usize = 64;
 
@@ -80,6 +82,8 @@ pub fn serve(listener: StdListener, launcher: StdStream, save: Save) -> io::Resu
         }
         let all = async {
             while hear(&mut lines, &house).await? {}
+            // Whoever looks sees what was said last.
+            tokio::time::sleep(LAST_LOOKS * live::BEAT).await;
             Ok(())
         };
         tokio::select! {

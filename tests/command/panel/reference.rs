@@ -8,7 +8,7 @@ use super::{
     client::Panel,
     watched::is_repeated,
 };
-use crate::shop::{Place, project, until};
+use crate::shop::{Place, project, signal, until};
 
 /// A lathe with a switch at each axis and an index behind it, which stands elsewhere than it believes.
 fn lathe(place: &Place) -> String {
@@ -73,6 +73,80 @@ fn before_its_reference_runs_a_machine_only_jogs_and_a_session_with_them_is_repe
     is_repeated(&place, "session", &summary);
 }
 
+/// What moves nothing and does the same wherever the axes are is done before; the way to the switch ends
+/// there.
+#[test]
+fn before_its_reference_runs_a_machine_does_what_moves_nothing_and_jogs_up_to_its_switch() {
+    let place = Place::new();
+    let panel = by_hand(&place, &["--machine", &lathe(&place), "--pace", "20", "--trace", "none"]);
+    for block in ["G97 S300 M3", "M8", "G55", "G4 P0.1"] {
+        does(&panel, "mdi", block);
+    }
+    until("it turns", || panel.state()["spindle"]["rpm"].as_f64().is_some_and(|rpm| rpm > 290.0));
+    let state = panel.state();
+    assert_eq!(state["coolant"], "flood");
+    assert!(state["by_hand"]["in_force"].as_str().is_some_and(|words| words.contains("G55")), "{state}");
+    does(&panel, "spindle", json!(0));
+    for block in ["G0 X20", "G91 G1 Z-1 F100", "G10 L20 P1 X0", "G92 X3", "G28"] {
+        let (code, why) = refused(&panel, "mdi", json!(block));
+        assert!(
+            code == "not-referenced" && why.contains("X and Z are not referenced"),
+            "{block}: {code}: {why}"
+        );
+    }
+    assert_eq!(panel.state()["by_hand"]["in_force"], state["by_hand"]["in_force"], "nothing of them is left");
+    // Each press goes some way, and the last of them ends at the switch.
+    let towards = json!({ "axis": "X", "mm_min": 1200, "way": "+" });
+    let at_the_switch = || {
+        let answer = panel.ask(&json!({ "id": 1, "do": "jog", "as": "test", "value": towards }));
+        is_ready(&panel);
+        answer["why"].as_str().map(str::to_owned)
+    };
+    let why = (0..100).find_map(|_| at_the_switch()).expect("it comes to its switch");
+    assert_eq!(why, "X stands on its switch: jog the other way, or press Home");
+    // The switch is at 72.5, where X believes to be 2.25 mm lower.
+    let [x, _] = stands(&panel);
+    assert!((70.2..72.0).contains(&x), "{x}");
+    does(&panel, "jog", json!({ "axis": "X", "mm_min": 600, "way": "-" }));
+    assert!(stands(&panel)[0] < x);
+    does(&panel, "home", "X");
+    does(&panel, "home", "Z");
+    does(&panel, "mdi", "G0 X20");
+    let summary = ended(&place, panel);
+    assert_eq!((summary.outcome, summary.references.len()), (Outcome::Stopped, 2));
+    is_repeated(&place, "session", &summary);
+}
+
+/// However fast the machine is, the panel has its last state: the fault, its cycle, and that nobody knows any
+/// more where the axes are.
+#[test]
+fn a_fault_of_a_run_reaches_the_panel_at_any_pace() {
+    let place = Place::new();
+    let sound = std::fs::read_to_string(lathe(&place)).expect("it was written");
+    let dead = sound.replacen("[plant.axis.z]", "[plant.axis.z]\nreference_fault = \"switch-open\"", 1);
+    let dead = place.write("dead.toml", dead).display().to_string();
+    for pace in ["30", "200", "1000", "max"] {
+        let panel = by_hand(&place, &["--machine", &dead, "--pace", pace, "--trace", "none"]);
+        does(&panel, "home", "X");
+        assert_eq!(referenced(&panel), [true, false]);
+        panel.turn("home", "Z");
+        until("it is off", || panel.state()["mode"] == "off");
+        let state = panel.state();
+        let summary = Summary::read(&place.at("session/summary.json")).expect("a summary");
+        assert_eq!(state["faults"][0]["code"], "switch-not-found", "pace {pace}: {state}");
+        assert_eq!(state["faults"].as_array().map(Vec::len), Some(summary.faults.len()), "pace {pace}");
+        assert_eq!((state["cycle"].as_u64(), &state["state"]), (Some(summary.cycles - 1), &json!("ready")));
+        assert_eq!(
+            (referenced(&panel), &state["outcome"]),
+            ([false, false], &json!("faulted")),
+            "pace {pace}"
+        );
+        signal(panel.launcher.id(), "INT");
+        assert_eq!(panel.ends().status, Some(0));
+        std::fs::remove_dir_all(place.at("session")).expect("it left its folder");
+    }
+}
+
 /// A program begins with them, of one process and of many; a run that broke off is not gone on with.
 #[test]
 fn a_program_is_run_behind_its_reference_runs() {
@@ -117,9 +191,31 @@ fn a_reference_that_cannot_be_is_refused_by_its_key() {
         ("position_mm = 75", "position_mm = 500", "axis.x.reference.position_mm = 500: must lie between"),
         ("switch-and-index", "feeling", "unknown variant"),
         ("home_off_mm = 2.25", "switch_hysteresis_mm = 0.001", "plant.axis.x.switch_hysteresis_mm = 0.001"),
+        (
+            "position_mm = 75",
+            "position_mm = -4.9",
+            "axis.x.reference.search_mm_s = 40: an axis that backs off stands before its switch",
+        ),
+        (
+            "position_mm = 75",
+            "position_deg = 75",
+            "axis.x.reference.position_deg = 75: X is measured in mm: write position_mm",
+        ),
     ] {
         refused(&lathe.replacen(from, to, 1), why);
     }
+    let [index, switch] = [("switch", "index_mm = 75"), ("index", "switch_mm = 75")].map(|(method, key)| {
+        let lathe = lathe.replacen("switch-and-index", method, 1).replacen("home_off_mm = 2.25", key, 1);
+        assert!(lathe.contains(key));
+        lathe
+    });
+    let why = "plant.axis.x.index_mm: the axis is not referenced by any index: choose a method";
+    refused(&index, why);
+    refused(&switch, "plant.axis.x.switch_mm: the axis is not referenced by any switch: choose a method");
+    let dead = |fault: &str| format!("reference_fault = \"{fault}\"");
+    let dead =
+        lathe.replacen("switch-and-index", "switch", 1).replacen("home_off_mm = 2.25", &dead("no-index"), 1);
+    refused(&dead, "plant.axis.x.reference_fault: the axis is not referenced by any index");
     let why = "from home_mm the next index may be a whole turn away";
     refused(&near_its_end.replacen("switch-and-index", "index", 1), why);
 }
