@@ -35,8 +35,8 @@ const RESTING_SHARE: f64 = 0.05;
 /// the motor would have to go the other way, by a model that is not right to a tenth.
 const FOLLOWED: f64 = 0.6;
 const LEFT_OUT: f64 = 0.85;
-/// More measurements than this are never made up for.
-const MOST_MISSED: u64 = 8;
+/// More measurements in a row than this are never made up for: the observers begin anew behind them.
+const MOST_MISSED: u64 = 50;
 
 /// An index of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,6 +153,8 @@ impl Spindle {
         self.is_back = std::mem::take(&mut self.coasts);
         if self.is_back {
             self.start(angle, 0.0);
+        } else if missed > MOST_MISSED {
+            self.start(angle, self.last_speed());
         }
         self.look(measurement.cycle, angle);
         self.farthest = pass.map(|pass| {
@@ -343,5 +345,49 @@ impl Spindle {
     /// Observed speed, 1/min, positive clockwise.
     pub fn rpm(&self) -> f64 {
         self.leading.at(0.0).speed * self.degrees_per_count / 6.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use machine::Machine;
+    use protocol::Cycle;
+
+    use super::*;
+
+    /// Behind a gap of any length the observers are where an even spindle is, whatever is being made up for.
+    #[test]
+    fn an_angle_is_known_behind_so_many_missing_measurements() {
+        let machine = Machine::plain();
+        let per_cycle = 1392.0 / 60.0 * machine.spindle_counts() * machine.general.cycle_s;
+        let turned = |cycle: u64| (per_cycle * cycle as f64).floor() as i64;
+        let mut spindle = Spindle::new(&machine, 100.0);
+        let mut cycle = 0;
+        let mut sees = |spindle: &mut Spindle, missed: u64| {
+            cycle += 1 + missed;
+            let (now, spindle_count) = (Cycle(cycle), turned(cycle));
+            let measurement = Measurement { cycle: now, spindle_count, ..Measurement::default() };
+            spindle.update(&measurement, missed, None);
+            per_cycle * cycle as f64
+        };
+        for _ in 0..4000 {
+            sees(&mut spindle, 0);
+        }
+        for missed in (0..120).chain([MOST_MISSED, MOST_MISSED + 1, 1000]) {
+            let angle = sees(&mut spindle, missed);
+            for observer in [&spindle.leading, &spindle.stroking] {
+                let now = observer.at(0.0);
+                let (off, faster) =
+                    (now.angle - angle, now.speed * machine.general.cycle_s / per_cycle - 1.0);
+                // A count, and the noise of counts.
+                assert!(
+                    off.abs() < 1.5 && faster.abs() < 1e-3,
+                    "{missed} missed: {off} counts, {faster} of its speed"
+                );
+            }
+            for _ in 0..400 {
+                sees(&mut spindle, 0);
+            }
+        }
     }
 }
