@@ -21,7 +21,7 @@ use crate::{
     error::CliError,
     gauged::{self, GaugeArgs},
     program::Program,
-    screen, varied,
+    references, screen, varied,
     words::{self, counted},
     written::{self, Made},
 };
@@ -273,6 +273,8 @@ fn findings(program: &Program) -> String {
     let (errors_found, warnings_found) =
         (counted(errors as u64, "error", "errors"), counted(warnings as u64, "warning", "warnings"));
     let _ = writeln!(text, "{errors_found}, {warnings_found}, {}", counted(moves, "move", "moves"));
+    let first = "the program begins with its run, whose time is not foretold";
+    text += &references::told(&program.references, first);
     for job in program.check.iter().flat_map(|check| &check.jobs) {
         let _ = writeln!(text, "job       line {}", job.line);
         for (what, value) in &job.facts {

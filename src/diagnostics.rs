@@ -16,7 +16,8 @@
 //! `end_column` is that of the character behind the last. X is a radius; `depth_mm` is null where the program
 //! does not say where the crest is. `certificate` is there with `--certify` alone, and where there is a
 //! thread (docs/certificate.md). `speed_variation` of a pass is there where its speed is varied
-//! (docs/speed-variation.md).
+//! (docs/speed-variation.md). `references` are the runs that the program begins with: `axis`, `method`,
+//! `position_mm`; there is none where there are none.
 
 use std::path::Path;
 
@@ -24,7 +25,10 @@ use gcode::{Diagnostic, Severity};
 use interpreter::{CornerNote, PassNote};
 use serde::Serialize;
 
-use crate::{certificate::Certificate, error::CliError, program::Program, varied::SpeedVariation};
+use crate::{
+    certificate::Certificate, error::CliError, program::Program, references::Reference,
+    varied::SpeedVariation,
+};
 
 /// The document.
 #[derive(Debug, Serialize)]
@@ -42,6 +46,9 @@ pub(crate) struct Document<'a> {
     error: Option<String>,
     diagnostics: Vec<Entry<'a>>,
     passes: Vec<Pass>,
+    /// The reference runs that the program begins with.
+    #[serde(skip_serializing_if = "<[Reference]>::is_empty")]
+    references: &'a [Reference],
     #[serde(skip_serializing_if = "Option::is_none")]
     certificate: Option<&'a Certificate>,
 }
@@ -136,6 +143,7 @@ impl<'a> Document<'a> {
             error: None,
             diagnostics: Vec::new(),
             passes: Vec::new(),
+            references: &[],
             certificate: None,
         };
         let (judged, certificate) = match judged {
@@ -155,6 +163,7 @@ impl<'a> Document<'a> {
             gauges: judged.gauges.iter().map(|thread| thread.nominal.name.as_str()).collect(),
             diagnostics: judged.diagnostics().iter().map(Entry::from).collect(),
             passes: judged.check.iter().flat_map(|check| &check.passes).map(pass).collect(),
+            references: &judged.references,
             certificate,
             ..empty
         }

@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 use crate::{
     error::CliError,
     program::{Program, open},
+    references,
     words::{Phase, counted},
 };
 
@@ -96,6 +97,8 @@ pub(crate) fn told(entry: &Entry, machine: &Machine) -> String {
     if entry.in_loop {
         let _ = writeln!(text, "loop      the line is in a loop: it begins in its first turn");
     }
+    let way = "its run is made first, and ends at home, where the way begins";
+    text += &references::told(&references::of(machine), way);
     for unknown in UNKNOWN {
         let _ = writeln!(text, "not known {unknown}");
     }
@@ -145,6 +148,7 @@ pub(crate) fn as_json(entry: &Entry, machine: &Machine) -> Value {
         "zero_mm": { "x": zero.x_mm, "y": zero.y_mm, "z": zero.z_mm },
         "variables": entry.variables.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         "in_loop": entry.in_loop,
+        "references": references::of(machine),
         "not_known": UNKNOWN,
         "way": entry.way.iter().map(|item| moved(item, machine)).collect::<Vec<String>>(),
         "tool": entry.modal.tool,

@@ -76,6 +76,11 @@ fn axes(state: &State) -> impl Iterator<Item = (Axis, f64, AxisState)> {
     Axis::ALL.into_iter().map(of).filter(|(_, mm, code)| *mm != 0.0 || *code != AxisState::Idle)
 }
 
+/// The axes of which nobody knew where they were.
+fn unreferenced(state: &State) -> impl Iterator<Item = Axis> {
+    Axis::ALL.into_iter().filter(|axis| state.unreferenced >> axis.index() & 1 == 1)
+}
+
 /// An action in words.
 fn did(act: u32, value: f64) -> String {
     let turned = |knob: &str| format!("turned the {knob} override to {value} %");
@@ -156,6 +161,10 @@ pub(crate) fn told(record: u64, state: &State, goes_on: bool) -> String {
     for (axis, mm, code) in axes(state) {
         let _ = writeln!(text, "{:<9} {mm:.4} measured, {}", axis.name(), code.name());
     }
+    let lost: Vec<_> = unreferenced(state).map(|axis| axis.name().to_ascii_uppercase()).collect();
+    if !lost.is_empty() {
+        let _ = writeln!(text, "reference not known of {}: its run has not been made", lost.join(", "));
+    }
     let [spindle, feed, rapid] = state.overrides_pct;
     let _ = writeln!(text, "overrides spindle {spindle} %, feed {feed} %, rapid {rapid} %");
     let acted = state.actions.iter().filter(|action| action.act != 0);
@@ -204,6 +213,7 @@ pub(crate) fn as_json(record: u64, state: &State) -> Value {
             "indexes": state.index_number,
         },
         "axes": measured,
+        "unreferenced": unreferenced(state).collect::<Vec<_>>(),
         "overrides_pct": state.overrides_pct,
         "buttons": buttons(state.buttons),
         "cycle_starts": state.cycle_starts,

@@ -24,6 +24,7 @@ mod offsets;
 mod panel;
 mod pickup;
 mod program;
+mod references;
 mod repeated;
 mod replay;
 mod report;

@@ -17,7 +17,9 @@ use crate::{
     entered,
     error::CliError,
     fit::{Fit, changed},
-    gauged, repeated, screen,
+    gauged,
+    references::{self, Reference},
+    repeated, screen,
     words::Phase,
 };
 
@@ -45,6 +47,8 @@ pub(crate) struct Program {
     pub(crate) chips_mm: BTreeMap<u32, f64>,
     /// Where it is begun, if not at its beginning.
     pub(crate) entry: Option<Entry>,
+    /// The reference runs that come before it.
+    pub(crate) references: Vec<Reference>,
 }
 
 impl Program {
@@ -124,6 +128,7 @@ impl Program {
             gauges,
             chips_mm,
             entry: None,
+            references: references::of(machine),
         })
     }
 
@@ -132,10 +137,12 @@ impl Program {
         let open = CodeReader::open(path, &machine.identity());
         let mut file = open.map_err(|error| CliError::file(path, error))?;
         let (mut watch, mut watched, mut fit) = (Watch::default(), Vec::new(), Fit::new(machine));
-        let (mut count, mut steps, mut moves, mut wrong) = (0, 0, 0, None);
+        let (mut count, mut steps, mut moves, mut wrong, mut by_hand) = (0, 0, 0, None, false);
         let items = file.by_ref().map_while(|item| {
             let judged = item.map_err(|error| error.to_string()).and_then(|item| {
                 fit.item(&item).map_or(Ok(item), Err)?;
+                // Who works by hand asks for each reference run.
+                by_hand |= count == 0 && matches!(item.code, Code::ByHand(_));
                 (count, steps, moves) = (count + 1, steps + item.steps(), moves + u64::from(item.is_move()));
                 if watch.wants(&item) {
                     watched.push(item);
@@ -166,6 +173,7 @@ impl Program {
                 .collect(),
             chips_mm: BTreeMap::new(),
             entry: None,
+            references: if by_hand { Vec::new() } else { references::of(machine) },
         })
     }
 

@@ -54,6 +54,9 @@ pub(super) fn summed_up(summary: &Summary, report: Option<&std::path::Path>) -> 
     if let Some(line) = summary.from_line {
         let _ = writeln!(text, "begun     at line {line}: what is cut before it is not judged");
     }
+    for found in &summary.references {
+        let _ = writeln!(text, "reference {}", found.told(summary.cycle_s));
+    }
     threads(&mut text, summary);
     gauged(&mut text, summary);
     traces(&mut text, summary);

@@ -33,6 +33,7 @@ mod part;
 mod pick_up;
 mod processes;
 mod real_time;
+mod references;
 mod replay;
 mod resolution;
 mod resume;

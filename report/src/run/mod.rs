@@ -19,6 +19,7 @@ mod part;
 mod passes;
 mod path;
 mod real_time;
+mod references;
 mod signals;
 mod taps;
 #[cfg(test)]

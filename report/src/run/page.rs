@@ -8,6 +8,7 @@ use super::cutting;
 use super::gauge;
 use super::passes;
 use super::real_time;
+use super::references;
 use super::signals;
 use super::taps;
 use super::traces;
@@ -32,6 +33,7 @@ pub(super) fn html(run: &Run) -> String {
         @if cutting::cuts(summary) { (cutting::table(summary)) }
         @if traces::any(summary) { (traces::table(summary)) }
         @for table in &drawn.tables { (section(table)) }
+        @if let Some(table) = references::table(summary) { (section(&table)) }
         @if let Some(table) = signals::table(summary) { (section(&table)) }
         @for table in real_time::tables(summary) { (section(&table)) }
         @if !summary.moves.circles.is_empty() { (circles(summary)) }

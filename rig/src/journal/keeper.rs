@@ -123,6 +123,7 @@ impl Keeper {
         state.stopped = u32::from(machine.stopped);
         state.tool = machine.tool;
         state.coolant = u32::from(machine.coolant);
+        state.unreferenced = u32::from(machine.unreferenced);
         state.outputs = machine.outputs;
         state.analog = machine.analog;
         state.inputs = measurement.inputs;
@@ -187,8 +188,13 @@ impl Keeper {
 /// What is written at once.
 fn is_event(written: &State, state: &State) -> bool {
     let of = |state: &State| {
-        let State { open, passes, fault, stopped, tool, coolant, acted, axes, .. } = *state;
-        ((open, passes, fault, stopped, tool, coolant, acted, axes), state.outputs, state.inputs)
+        let State { open, passes, fault, stopped, tool, coolant, acted, axes, unreferenced, .. } = *state;
+        (
+            (open, passes, fault, stopped, tool, coolant, acted, axes),
+            unreferenced,
+            state.outputs,
+            state.inputs,
+        )
     };
     let over = |state: &State| state.machine == MachineState::Ended as u32;
     of(written) != of(state) || over(written) != over(state)

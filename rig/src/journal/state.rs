@@ -108,8 +108,8 @@ pub struct State {
     pub buttons: u32,
     /// See there.
     pub cycle_starts: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// The axes whose reference run is still to be made, bit by bit in the order of the wire.
+    pub unreferenced: u32,
 }
 
 impl State {

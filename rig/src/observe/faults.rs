@@ -1,9 +1,9 @@
 //! What the modules latch, as a person reads it. In: every control cycle the fault of each status. Out:
 //! reports in the order in which they came; of one cycle a cause before what it made of another axis.
 
-use protocol::{Axis, Fault};
+use protocol::{Axis, Fault, MachineState, MachineStatus};
 
-use super::{FaultReport, Observer, Record};
+use super::{FaultReport, Observer, Outcome, Record};
 
 /// Whether something else has caused it.
 fn follows(fault: &FaultReport) -> bool {
@@ -49,5 +49,16 @@ impl Observer {
         self.out.overrides_clamped = record.machine.overrides_clamped;
         self.corrected.cycle(cycle, corrected);
         self.out.outcome = self.outcome(record.machine);
+    }
+
+    fn outcome(&self, machine: &MachineStatus) -> Outcome {
+        let faults = &self.out.faults;
+        if faults.iter().any(|fault| fault.code != Fault::Stopped.code()) {
+            Outcome::Faulted
+        } else if faults.is_empty() && machine.stopped == 0 && machine.state() == MachineState::Ended {
+            Outcome::Completed
+        } else {
+            Outcome::Stopped
+        }
     }
 }

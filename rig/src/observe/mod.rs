@@ -33,6 +33,7 @@ mod pass;
 mod pause;
 mod planned;
 mod real_time;
+mod references;
 mod rings;
 mod so_far;
 mod span;
@@ -53,7 +54,7 @@ mod workshop;
 use std::collections::BTreeMap;
 
 use machine::{Machine, Part};
-use protocol::{Axis, AxisStatus, Fault, Item, MachineState, MachineStatus, PerAxis, Truth};
+use protocol::{Axis, AxisStatus, Item, MachineState, MachineStatus, PerAxis, Truth};
 use zerocopy::IntoBytes;
 
 pub use channels::Channel;
@@ -69,6 +70,7 @@ pub use observation::Observation;
 pub use outputs::{AnalogReport, SignalReport};
 pub use pause::{PauseEnd, PauseReport};
 pub use real_time::{Counted, LateCycle, RealTimeReport, SetUpItem, Times};
+pub use references::ReferenceReport;
 pub use rings::{ResumedReport, RingReport};
 pub use summary::{
     AxisLimits, CircleReport, FaultReport, MovesReport, Outcome, PassEnd, PassReport, Process, ServoError,
@@ -97,6 +99,7 @@ use outputs::Outputs;
 use pass::{PassObserver, state_in};
 use pause::Pauses;
 use planned::Planned;
+use references::References;
 use rings::Rings;
 use swing::Swing;
 use threads::Threads;
@@ -150,6 +153,7 @@ pub struct Observer {
     works: Works,
     setpoints: Setpoints,
     pauses: Pauses,
+    references: References,
     outputs: Outputs,
     messages: Messages,
     /// Events of the scenario that did not happen yet, as in [`Truth::pending`].
@@ -189,6 +193,7 @@ impl Observer {
             works: Works::of(machine, items),
             setpoints: Setpoints::of(machine),
             pauses: Pauses::default(),
+            references: References::of(machine),
             outputs: Outputs::of(machine),
             messages: Messages::default(),
             pending: 0,
@@ -253,6 +258,7 @@ impl Observer {
             self.bus.cycle(record.axes);
         }
         self.pauses.cycle(record, self.out.cycle_s);
+        self.references.cycle(record.truth, record.axes, record.machine);
         self.outputs.cycle(record.machine, &record.truth.measurement);
         self.messages.cycle(record.truth.cycle.0, record.machine);
         self.pending = record.truth.pending;
@@ -293,7 +299,7 @@ impl Observer {
         self.contour.report(self.out.cycle_s, &mut self.out.moves);
         self.out.moves.circles = self.circles.finish(self.out.cycle_s);
         (self.out.traces, self.out.traces_left_out) = self.works.finish();
-        self.out.pauses = self.pauses.finish();
+        (self.out.pauses, self.out.references) = (self.pauses.finish(), self.references.finish());
         (self.out.outputs, self.out.analog_outputs, self.out.inputs) = self.outputs.finish();
         self.out.messages = self.messages.told;
         self.out.groove = self.grooved.as_ref().map(Grooved::report);
@@ -384,17 +390,6 @@ impl Observer {
         for event in (1..=u64::BITS).filter(|event| self.pending >> (event - 1) & 1 == 1) {
             let text = format!("event {event} of the scenario did not happen: its moment never came");
             warnings.push(warning(cycle, "scenario", "event-never-came", text));
-        }
-    }
-
-    fn outcome(&self, machine: &MachineStatus) -> Outcome {
-        let faults = &self.out.faults;
-        if faults.iter().any(|fault| fault.code != Fault::Stopped.code()) {
-            Outcome::Faulted
-        } else if faults.is_empty() && machine.stopped == 0 && machine.state() == MachineState::Ended {
-            Outcome::Completed
-        } else {
-            Outcome::Stopped
         }
     }
 }

@@ -7,8 +7,8 @@ use protocol::Axis;
 
 use super::{
     AnalogReport, AxisLimits, FaultReport, GaugeReport, GrooveReport, MessageReport, MovesReport, Outcome,
-    PassReport, PauseReport, ResumedReport, SignalReport, StockReport, Summary, ThreadReport, ToolNote,
-    TraceReport, VERSION, judged::judged,
+    PassReport, PauseReport, ReferenceReport, ResumedReport, SignalReport, StockReport, Summary,
+    ThreadReport, ToolNote, TraceReport, VERSION, judged::judged,
 };
 
 /// What was observed of a run.
@@ -49,6 +49,8 @@ pub struct Observation {
     pub warnings: Vec<FaultReport>,
     /// Overrides that were clamped.
     pub overrides_clamped: u32,
+    /// Reference runs in the order of their ends.
+    pub references: Vec<ReferenceReport>,
     /// Pauses of the program in the order of their coming.
     pub pauses: Vec<PauseReport>,
     /// Changes of digital outputs in the order of their coming.
@@ -95,6 +97,7 @@ impl Observation {
             moves: self.moves,
             traces: self.traces,
             traces_left_out: self.traces_left_out,
+            references: self.references,
             pauses: self.pauses,
             outputs: self.outputs,
             analog_outputs: self.analog_outputs,

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     AnalogReport, Channel, CuttingReport, GaugeReport, GrooveReport, LimitsUsed, MessageReport, PartReport,
-    PauseReport, ProgramWarning, RealTimeReport, ResumedReport, SignalReport, StockReport, TapReport,
-    ThreadReport, ToolNote, ToolReport, TraceReport, few::few,
+    PauseReport, ProgramWarning, RealTimeReport, ReferenceReport, ResumedReport, SignalReport, StockReport,
+    TapReport, ThreadReport, ToolNote, ToolReport, TraceReport, few::few,
 };
 
 /// Version of the layout; fields may be added without a new one.
@@ -349,6 +349,9 @@ pub struct Summary {
     /// More of them, each with less deviation than those.
     #[serde(default, skip_serializing_if = "super::channels::is_zero")]
     pub traces_left_out: u64,
+    /// Reference runs that made the position of their axis true.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub references: Vec<ReferenceReport>,
     /// Pauses of the program.
     #[serde(default)]
     pub pauses: Vec<PauseReport>,
