@@ -5,6 +5,7 @@ mod chain;
 mod events;
 mod lathe;
 mod machines;
+mod referenced;
 mod shop;
 mod thread;
 mod timed;
@@ -45,7 +46,7 @@ pub(crate) fn seed_of_events(number: u64) -> Seed {
 }
 
 fn one(number: u64, kind: usize, seed: &mut Seed) -> Case {
-    let (machine, blocks, kinds) = match kind {
+    let (mut machine, blocks, mut kinds) = match kind {
         0 | 1 => timed::mill(seed),
         2 => timed::positioner(seed),
         3 | 4 => lathe::timed(seed),
@@ -56,5 +57,9 @@ fn one(number: u64, kind: usize, seed: &mut Seed) -> Case {
         10 => chain::arc(seed),
         _ => lathe::thread(seed),
     };
+    referenced::referenced(number, &mut machine);
+    if !machine.reference_runs().is_empty() {
+        kinds.push("reference-runs");
+    }
     Case { seed: number, machine, blocks, kinds, plant_seed: seed.next() >> 16, events: Vec::new() }
 }

@@ -4,7 +4,7 @@
 //! | symbol | unit | meaning |
 //! |---|---|---|
 //! | x, p | mm | true place of the slide; the same by the measure of the control |
-//! | H, h | mm | home in truth; home as believed |
+//! | H, h | mm | home in truth; home as believed; of an axis with a reference run its mark |
 //! | L, l | mm | way per turn of the motor in truth; as believed |
 //! | e | – | what is believed of the error of the screw, mm on a mm |
 //!
@@ -12,7 +12,8 @@
 //! x = H + (p − h) (L/l − e)
 //! ```
 //! Who measured a tool or a screw wrongly gets another part, in another place, and every pass of it is there:
-//! no pass is beside its groove by that, and no control could know it.
+//! no pass is beside its groove by that, and no control could know it. Behind a reference run H and h are
+//! where the switch or the index is, which is known.
 
 use machine::Machine;
 use protocol::{Axis, Truth};
@@ -38,11 +39,20 @@ impl Frame {
             [[from_mm, from_um], .., [to_mm, to_um]] => (to_um - from_um) / (to_mm - from_mm) / 1000.0,
             _ => 0.0,
         };
+        let scale = lead_mm / config.screw_lead_mm - believed;
+        if let Some(reference) = config.reference {
+            return Frame {
+                axis,
+                true_home_mm: reference.position_mm,
+                home_mm: reference.position_mm,
+                scale,
+            };
+        }
         Frame {
             axis,
             true_home_mm: config.home_mm + excuse::in_truth(machine, axis, "home_off_mm", 0.0),
             home_mm: config.home_mm,
-            scale: lead_mm / config.screw_lead_mm - believed,
+            scale,
         }
     }
 

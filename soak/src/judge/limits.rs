@@ -6,7 +6,7 @@
 //! the lead, comes on top: an axis that did not follow would cut a flank.
 
 use machine::{AxisConfig, Machine};
-use protocol::{Axis, AxisState, AxisStatus, ThreadPass};
+use protocol::{Axis, AxisState, AxisStatus, PerAxis, Position, ThreadPass};
 use rig::observe::Record;
 
 use super::{Broken, Known, excuse};
@@ -33,6 +33,9 @@ const FOLLOWED_S: f64 = 0.1;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Limits {
     before: Vec<AxisStatus>,
+    /// What the drives add to their positions: where an axis that stands is led goes with it as soon as its
+    /// regulator has seen it.
+    offsets: PerAxis<Position>,
     rpm: Option<f64>,
     /// Largest change of the spindle's speed in a cycle, 1/min, fading away.
     uneven: f64,
@@ -61,7 +64,8 @@ impl Limits {
             if gap == 0.0 || free(now) || free(before) {
                 continue;
             }
-            let step = (now.commanded_mm - before.commanded_mm).abs();
+            let offset = record.truth.measurement.references[axis.index()].home_offset;
+            let step = went_mm(now, before, offset, &mut self.offsets[axis.index()]).abs();
             let change = (now.velocity_mm_s - before.velocity_mm_s).abs();
             let pass = if now.state().is_in_pass() { known.passes.get(&now.pass) } else { None };
             let had = before.acceleration_mm_s2.abs() / config.limits().a;
@@ -107,6 +111,17 @@ impl Limits {
         self.before.extend(axes.iter().map(|(_, status)| *status));
         found
     }
+}
+
+/// How far an axis is led on, mm: but for what its drive adds, once that has been taken up.
+fn went_mm(now: &AxisStatus, before: &AxisStatus, offset: Position, taken_up: &mut Position) -> f64 {
+    let went_mm = now.commanded_mm - before.commanded_mm;
+    let with_it_mm = went_mm - offset.mm_from(*taken_up);
+    if with_it_mm.abs() < went_mm.abs() {
+        *taken_up = offset;
+        return with_it_mm;
+    }
+    went_mm
 }
 
 /// What a limit allows in a cycle in every state, mostly enough.
