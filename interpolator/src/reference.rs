@@ -299,3 +299,48 @@ fn sets(config: &AxisConfig, reference: &ReferenceConfig, marks: &AxisReference)
     };
     Ok(marks.home_offset.moved(off_mm))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The offset that a switch at `switched` and an index so many mm behind it give.
+    fn offset_mm(way: f64, behind_mm: f64) -> Result<f64, Fault> {
+        let machine = Machine::plain();
+        let method = Method::SwitchAndIndex;
+        let reference = ReferenceConfig {
+            method,
+            position_mm: 66.0,
+            search_mm_s: way * 25.0,
+            latch_mm_s: 25.0,
+            sequence: 0,
+        };
+        let switched_at = Position::from_mm(63.0);
+        let marks = AxisReference {
+            home_offset: Position::from_mm(0.25),
+            switched_at,
+            indexed_at: switched_at.moved(way * behind_mm),
+        };
+        sets(&machine.axis[&Axis::X], &reference, &marks).map(|offset| offset.mm())
+    }
+
+    #[test]
+    fn of_the_indexes_that_one_look_finds_the_first_counts() {
+        for way in [1.0, -1.0] {
+            for turns in 0..4 {
+                let more_mm = 5.0 * f64::from(turns);
+                let first = offset_mm(way, 2.0).expect("it is far from the switch");
+                assert!((first - (0.25 + 66.0 - (63.0 + way * 2.0))).abs() < 1e-9, "{first}");
+                let found = offset_mm(way, 2.0 + more_mm).expect("it is as far");
+                assert!((found - first).abs() < 1e-9, "{turns} turns later: {found}, {first}");
+                for near_mm in [0.3, 4.7] {
+                    assert_eq!(
+                        offset_mm(way, near_mm + more_mm),
+                        Err(Fault::IndexTooNear),
+                        "{turns} turns later"
+                    );
+                }
+            }
+        }
+    }
+}
