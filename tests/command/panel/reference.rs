@@ -135,7 +135,7 @@ fn a_fault_of_a_run_reaches_the_panel_at_any_pace() {
         let summary = Summary::read(&place.at("session/summary.json")).expect("a summary");
         assert_eq!(state["faults"][0]["code"], "switch-not-found", "pace {pace}: {state}");
         assert_eq!(state["faults"].as_array().map(Vec::len), Some(summary.faults.len()), "pace {pace}");
-        assert_eq!((state["cycle"].as_u64(), &state["state"]), (Some(summary.cycles - 1), &json!("ready")));
+        assert_eq!(state["cycle"].as_u64(), Some(summary.cycles - 1), "pace {pace}");
         assert_eq!(
             (referenced(&panel), &state["outcome"]),
             ([false, false], &json!("faulted")),
