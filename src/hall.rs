@@ -363,7 +363,7 @@ mod tests {
         all[12].silent_s = 9.0;
         let drawn = |lines: u16| {
             let text = hall.drawn(&all, Some((24, lines)));
-            assert!(text.lines().count() < lines.into(), "no line more than there are: {text}");
+            assert!(text.lines().count() < usize::from(lines), "no line more than there are: {text}");
             assert!(text.lines().all(|line| line.chars().count() <= 24), "{text}");
             let lines =
                 text.lines().skip(2).map(|line| line.split(' ').next().unwrap_or_default().to_owned());

@@ -1,10 +1,10 @@
 //! The wire: Zenoh between two hosts, behind the gate of one of them. In: bytes to send. Out: bytes that
 //! came, and lines of whoever started this process; the member that carries them is woken.
 //!
-//! Multicast and gossip are off, so nobody is looked for and nobody is told of us. Zenoh speaks to a socket in
-//! a folder of this user alone; what is on the network is a connection that the gate has let in. What is sent
-//! waits for a place instead of being dropped (Zenoh drops by default), goes before anything else, and is not
-//! kept back to fill a packet. What goes up goes to one host alone: whoever calls has a name there.
+//! Multicast and gossip are off, so nobody is looked for and nobody is told of us. Zenoh speaks to a socket
+//! in a folder of this user alone; what is on the network is a connection that the gate has let in. What is
+//! sent waits for a place instead of being dropped (Zenoh drops by default), goes before anything else, and
+//! is not kept back to fill a packet. What goes up goes to one host alone: whoever calls has a name there.
 
 use std::{
     fs::{self, DirBuilder},
