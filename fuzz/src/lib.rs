@@ -4,6 +4,7 @@
 //! coverage; `tests/mutations` drives the same ones with mutations of programs that are known, on a stable
 //! compiler.
 
+mod door;
 mod kept;
 
 use std::{
@@ -26,6 +27,7 @@ use protocol::code_file::{CodeFile, VERSION};
 use shape::{Formula, Gradient, Number, Series};
 use sim_plant::{Plant, Scenario};
 
+pub use door::{dialogue, door};
 pub use kept::{arrivals, arrivals_live, journal, language, summary, touches, trace};
 
 /// Small, so that every loop ends soon.

@@ -149,3 +149,9 @@ fn touches() {
     ];
     mutate(targets::touches, &texts.map(|text| text.as_bytes().to_vec()));
 }
+
+/// What is said at the gate of a machine.
+#[test]
+fn door() {
+    mutate(targets::door, &targets::dialogue());
+}
