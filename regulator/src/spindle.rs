@@ -153,10 +153,13 @@ impl Spindle {
         self.is_back = std::mem::take(&mut self.coasts);
         if self.is_back {
             self.start(angle, 0.0);
-        } else if missed > MOST_MISSED {
-            self.start(angle, self.last_speed());
         }
-        self.look(measurement.cycle, angle);
+        if missed > MOST_MISSED {
+            self.start(angle, self.last_speed());
+            self.looked_s = 0.0;
+        } else {
+            self.look(measurement.cycle, angle);
+        }
         self.farthest = pass.map(|pass| {
             let ahead = self.ahead(pass);
             self.farthest.map_or(ahead, |farthest| farthest.max(ahead))
