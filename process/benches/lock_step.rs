@@ -56,7 +56,7 @@ fn main() -> Result<(), Failure> {
     // This program is also each of its processes.
     match words[..] {
         ["--spoke", name, number] => spoke(name, number.parse()?),
-        ["--regulator", address, axis] => Ok(answers(address, named(axis)?)?),
+        ["--regulator", address, axis] => Ok(answers(address, named(axis))?),
         ["--machine", address, process, program] => Ok(module(address, process, program)?),
         _ => {
             bench();
@@ -89,10 +89,9 @@ fn start(words: &[&str]) -> std::io::Result<Child> {
     Command::new(std::env::current_exe()?).args(words).spawn()
 }
 
-fn named(axis: &str) -> Result<Axis, IpcError> {
-    AXES.into_iter()
-        .find(|known| known.name() == axis)
-        .ok_or_else(|| panic!("{axis} is not an axis of this machine"))
+fn named(axis: &str) -> Axis {
+    let known = AXES.into_iter().find(|known| known.name() == axis);
+    known.unwrap_or_else(|| panic!("{axis} is not an axis of this machine"))
 }
 
 /// Until something is so; whoever ends early is an error.
@@ -226,7 +225,7 @@ fn channels(cycles: u64) -> Result<Duration, Failure> {
     let mut space = NameSpace::create(&AXES)?;
     let address = space.address();
     let mut children = vec![start(&["--regulator", &address, "x"])?, start(&["--regulator", &address, "z"])?];
-    let plant = std::thread::spawn(move || asks(&address, cycles));
+    let plant = std::thread::Builder::new().spawn(move || asks(&address, cycles))?;
     // This machine has neither interpreter nor interpolator.
     let absent = |process: Process| matches!(process, Process::Interpreter | Process::Interpolator);
     until(&mut children, || Ok(space.missing(&[])?.into_iter().all(absent)))?;
@@ -353,6 +352,6 @@ fn module(address: &str, process: &str, program: &str) -> Result<(), ShellError>
             pace: Pace::MAX,
             stand_at: Vec::new(),
         }),
-        axis => regulator::run(&regulator::RegulatorArgs { axis: named(axis)?, process: args }),
+        axis => regulator::run(&regulator::RegulatorArgs { axis: named(axis), process: args }),
     }
 }

@@ -213,11 +213,12 @@ fn who_is_not_let_in_is_told_why_before_anything_moves() {
     };
     // Somebody else listens there, who speaks first, and one who says nothing.
     let listener = TcpListener::bind(&place.address).expect("its address");
-    let speaks = std::thread::spawn(move || {
+    let speaks = std::thread::Builder::new().spawn(move || {
         let (mut stream, _) = listener.accept().expect("a caller");
         stream.write_all(b"220 mail.example.com ESMTP, and what else it says\r\n").expect("said");
         listener
     });
+    let speaks = speaks.expect("a thread");
     let said = run(&place);
     assert!(said.contains("is not a pitchlock") && said.contains("help: "), "{said}");
     let _silent = speaks.join().expect("it spoke");
