@@ -3,26 +3,26 @@
 //! all, in the order of the jobs.
 //!
 //! Every file says what it was made of: the campaign file, the machine and other files that it names, and the
-//! program that made it. What was made of something else is refused and never mixed.
+//! program that made it. What was made of something else is refused and never mixed, nor is what somebody has
+//! changed since.
 
 use std::collections::BTreeSet;
-use std::fs::{self, Permissions};
-use std::io::{ErrorKind, Write as _};
-use std::os::unix::fs::PermissionsExt as _;
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::made::{add, files, made_of};
 use crate::plan::Plan;
 use crate::rows::Row;
+use crate::whole::{NEW, holds, put, whole};
 use crate::{CampaignError, vary};
 
 /// What says which campaign a folder is of.
 const MARK: &str = "made-of";
 const OTHER: &str =
     "was made of another campaign file, machine or program file, or by another build of pitchlock";
-/// What a file is called until it is whole.
-const NEW: &str = ".new-";
 /// The longest file of a job that is read, bytes.
 const LONGEST: u64 = 1 << 30;
 
@@ -34,6 +34,11 @@ pub struct Folder {
     root: PathBuf,
     program: PathBuf,
     made_of: String,
+    /// The machine file whose keys vary, and the folder that its paths count from.
+    original: String,
+    beside: PathBuf,
+    /// Words of the commands that all jobs have.
+    shared: BTreeSet<String>,
 }
 
 /// A job that is done.
@@ -42,60 +47,95 @@ struct Done {
     made_of: String,
     job: u64,
     rows: Vec<Row>,
+    /// Of the rows, as they are written.
+    hash: String,
 }
 
 impl Folder {
-    /// Opens the folder of a campaign, and writes the machine files that it needs there.
+    /// Opens the folder of a campaign, for one job or for all.
     ///
     /// # Errors
     /// The machine file cannot be read, values make no machine of it, or the folder cannot be written.
-    pub fn open(plan: Plan, root: &Path, program: &Path) -> Result<Folder, CampaignError> {
+    pub fn open(plan: Plan, root: &Path, program: &Path, job: Option<u64>) -> Result<Folder, CampaignError> {
         let machine = plan.machine.as_deref().map(text).transpose()?;
         let made_of = made_of(&plan, program)?;
-        let folder = Folder { plan, root: root.into(), program: program.into(), made_of };
-        let original = machine.as_deref().unwrap_or(machine::SMALL_LATHE);
-        let beside = folder.plan.machine.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let original = machine.unwrap_or_else(|| machine::SMALL_LATHE.into());
+        let beside = plan.machine.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = beside.canonicalize().unwrap_or_else(|_| beside.into());
-        let of = |(number, keys): (u64, Vec<_>)| Ok((number, vary::machine(original, &beside, &keys)?));
-        let machines = folder.plan.machines().into_iter().map(of).collect::<Result<Vec<_>, _>>();
-        let machines = machines.map_err(CampaignError::Input)?;
+        let shared = plan.words();
+        let folder =
+            Folder { plan, root: root.into(), program: program.into(), made_of, original, beside, shared };
+        folder.machines_are_some(job)?;
         // From here on something is written.
         folder.is_ours()?;
         for place in [folder.root.join("jobs"), folder.root.join("machines")] {
             fs::create_dir_all(&place).map_err(CampaignError::file(place))?;
         }
-        for (number, text) in machines {
-            let place = folder.machine(number);
-            if fs::read_to_string(&place).ok().as_ref() != Some(&text) {
-                put(&place, text.as_bytes())?;
-            }
-        }
         Ok(folder)
     }
 
-    /// Refuses a folder in which there is something else, before anything is written there.
-    fn is_ours(&self) -> Result<(), CampaignError> {
-        let mark = self.root.join(MARK);
-        let refused = |why: &str| {
-            let place = self.root.display();
-            Err(CampaignError::Stale(format!(
-                "{place}: {why}: name a new folder with --out, or remove this one"
-            )))
-        };
-        match fs::read_to_string(&mark) {
-            Ok(text) if text.trim() == self.made_of => Ok(()),
-            Ok(_) => refused(OTHER),
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                // Somebody else may just begin the same campaign.
-                let new = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with(NEW);
-                if fs::read_dir(&self.root).is_ok_and(|entries| entries.flatten().any(|entry| !new(&entry))) {
-                    return refused("other files are in this folder already");
-                }
-                fs::create_dir_all(&self.root).map_err(CampaignError::file(&self.root))?;
-                put(&mark, format!("{}\n", self.made_of).as_bytes())
-            }
-            Err(error) => Err(CampaignError::file(mark)(error)),
+    /// Refuses values that make no machine, and a machine that keeps something from run to run.
+    fn machines_are_some(&self, job: Option<u64>) -> Result<(), CampaignError> {
+        let table = self.original.parse::<toml::Table>().unwrap_or_default();
+        if table.get("machine").and_then(|machine| machine.get("parameters")).is_some() {
+            return Err(CampaignError::Input(
+                "machine.parameters: a run writes this file in its end, so figures would hang on the order of the \
+                 jobs: take it out of the machine file, and let the program set what it has"
+                    .into(),
+            ));
         }
+        let numbers = job.map_or_else(|| (0..self.plan.machines()).collect(), |job| self.machines_of(job));
+        numbers.into_iter().try_for_each(|number| self.machine_text(number).map(drop))
+    }
+
+    /// The machine files of a job.
+    fn machines_of(&self, job: u64) -> BTreeSet<u64> {
+        self.plan.runs(job).iter().filter_map(|run| run.machine).collect()
+    }
+
+    fn machine_text(&self, number: u64) -> Result<String, CampaignError> {
+        let keys = self.plan.keys(number);
+        vary::machine(&self.original, &self.beside, &keys).map_err(CampaignError::Input)
+    }
+
+    /// Whether the folder is marked as ours; refuses that of another campaign.
+    fn is_marked(&self) -> Result<bool, CampaignError> {
+        let mark = self.root.join(MARK);
+        match intake::text(&mark, intake::SETTINGS) {
+            Ok(text) if text.trim() == self.made_of => Ok(true),
+            Ok(_) => Err(self.refused(OTHER)),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+            Err(error) => Err(self.refused(&format!("{MARK} {error}"))),
+        }
+    }
+
+    fn refused(&self, why: &str) -> CampaignError {
+        let place = self.root.display();
+        CampaignError::Stale(format!("{place}: {why}: name a new folder with --out, or remove this one"))
+    }
+
+    /// Refuses a folder in which there is something else, before anything is written there. Of those who
+    /// begin in one folder at the same time one marks it, and the others look again.
+    fn is_ours(&self) -> Result<(), CampaignError> {
+        if self.is_marked()? {
+            return Ok(());
+        }
+        let new = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with(NEW);
+        let others =
+            fs::read_dir(&self.root).is_ok_and(|entries| entries.flatten().any(|entry| !new(&entry)));
+        if !others {
+            fs::create_dir_all(&self.root).map_err(CampaignError::file(&self.root))?;
+            let mark = self.root.join(MARK);
+            let made = whole(&mark, format!("{}\n", self.made_of).as_bytes())
+                .and_then(|new| new.persist_noclobber(&mark).map(drop).map_err(|error| error.error));
+            match made {
+                Err(error) if error.kind() != ErrorKind::AlreadyExists => {
+                    return Err(CampaignError::file(mark)(error));
+                }
+                _ => {}
+            }
+        }
+        if self.is_marked()? { Ok(()) } else { Err(self.refused("other files are in this folder already")) }
     }
 
     /// The machine file of a combination of values.
@@ -134,7 +174,8 @@ impl Folder {
         for entry in fs::read_dir(&place).map_err(failed())? {
             let name = entry.map_err(failed())?.file_name();
             let number = name.to_str().and_then(|name| name.strip_suffix(".json"));
-            there.extend(number.and_then(|number| number.parse::<u64>().ok()));
+            let number = number.and_then(|number| number.parse::<u64>().ok());
+            there.extend(number.filter(|number| self.job(*number).file_name() == Some(&name)));
         }
         Ok((0..self.plan.jobs()).filter(|job| !there.contains(job)).collect())
     }
@@ -169,46 +210,79 @@ impl Folder {
         };
         let done: Done = serde_json::from_str(&text)
             .map_err(|error| stale(format!("is not what a job leaves ({error})")))?;
-        if done.made_of != self.made_of {
+        if done.made_of != self.of_job(job)? {
             return Err(stale(OTHER.into()));
         }
         if done.job != job {
             return Err(stale(format!("is of job {}", done.job)));
         }
+        if done.hash != hash(&done.rows)? {
+            return Err(stale("its rows are not those that the job has left".into()));
+        }
         Ok(done.rows)
     }
 
-    /// Keeps the rows of a job.
+    /// A job begins: its machine files are there. What it is made of, for [`keep`](Self::keep).
+    ///
+    /// # Errors
+    /// A file cannot be read or written.
+    pub fn begin(&self, job: u64) -> Result<String, CampaignError> {
+        for number in self.machines_of(job) {
+            let (place, content) = (self.machine(number), self.machine_text(number)?);
+            if !holds(&place, &content) {
+                put(&place, content.as_bytes())?;
+            }
+        }
+        self.of_job(job)
+    }
+
+    /// Keeps the rows of a job that was [begun](Self::begin) with this.
     ///
     /// # Errors
     /// They cannot be written, or what they were made of has changed meanwhile; nothing is left of them then.
-    pub fn keep(&self, job: u64, rows: Vec<Row>) -> Result<(), CampaignError> {
-        if made_of(&self.plan, &self.program)? != self.made_of {
-            let why = "a file that it is made of has changed meanwhile: nothing of it is kept";
-            return Err(CampaignError::Stale(format!("job {job}: {why}")));
+    pub fn keep(&self, job: u64, begun: &str, rows: Vec<Row>) -> Result<(), CampaignError> {
+        let changed = |what: &str| {
+            Err(CampaignError::Stale(format!(
+                "job {job}: {what} has changed meanwhile: nothing of it is kept, the same command makes it again"
+            )))
+        };
+        if made_of(&self.plan, &self.program)? != self.made_of || self.of_job(job)? != begun {
+            return changed("a file that it is made of");
         }
-        let done = Done { made_of: self.made_of.clone(), job, rows };
+        for number in self.machines_of(job) {
+            let place = self.machine(number);
+            if !holds(&place, &self.machine_text(number)?) {
+                return changed(&place.display().to_string());
+            }
+        }
+        let done = Done { made_of: begun.into(), job, hash: hash(&rows)?, rows };
         let text = serde_json::to_vec(&done).map_err(|error| CampaignError::Input(error.to_string()))?;
+        if text.len() as u64 > LONGEST {
+            let why = "its rows are longer than a file of a job may be (1 GiB): a smaller per_job makes shorter ones";
+            return Err(CampaignError::Input(format!("job {job}: {why}")));
+        }
         put(&self.job(job), &text)
+    }
+
+    /// What a job is made of: all that the campaign is, and files whose names have its seeds in them.
+    fn of_job(&self, job: u64) -> Result<String, CampaignError> {
+        let words = self.plan.runs(job).into_iter().flat_map(|run| run.words);
+        let own: BTreeSet<String> = words.filter(|word| !self.shared.contains(word)).collect();
+        let files = files(&own);
+        if files.is_empty() {
+            return Ok(self.made_of.clone());
+        }
+        let mut whole = blake3::Hasher::new();
+        whole.update(self.made_of.as_bytes());
+        files.iter().try_for_each(|file| add(&mut whole, file))?;
+        Ok(whole.finalize().to_hex().to_string())
     }
 }
 
-/// A file as a whole: whoever reads it finds all of it or nothing. What it is until then has a name
-/// that no other process has, on whatever computer: process numbers alone are the same in many
-/// containers.
-fn put(place: &Path, content: &[u8]) -> Result<(), CampaignError> {
-    let put = || {
-        let parent = place.parent().unwrap_or(Path::new("."));
-        let mut new = tempfile::Builder::new()
-            .prefix(NEW)
-            .permissions(Permissions::from_mode(0o666))
-            .tempfile_in(parent)?;
-        new.write_all(content)?;
-        new.as_file().sync_all()?;
-        new.persist(place)?;
-        std::io::Result::Ok(())
-    };
-    put().map_err(CampaignError::file(place))
+/// Of rows, as they are written.
+fn hash(rows: &[Row]) -> Result<String, CampaignError> {
+    let text = serde_json::to_vec(rows).map_err(|error| CampaignError::Input(error.to_string()))?;
+    Ok(blake3::hash(&text).to_hex().to_string())
 }
 
 fn text(path: &Path) -> Result<String, CampaignError> {
@@ -216,23 +290,109 @@ fn text(path: &Path) -> Result<String, CampaignError> {
     intake::text(path, intake::SETTINGS).map_err(named)
 }
 
-/// What a campaign is made of, as a hash: its file, its machine file, every file that a word of one of
-/// its commands names, also behind `=`, and the program.
-fn made_of(plan: &Plan, program: &Path) -> Result<String, CampaignError> {
-    let mut whole = blake3::Hasher::new();
-    whole.update(blake3::hash(plan.text.as_bytes()).as_bytes());
-    let words = plan.words();
-    let values = words.iter().map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value));
-    let named = words.iter().map(String::as_str).chain(values).map(Path::new);
-    for file in plan.machine.as_deref().into_iter().chain(named).chain([program]) {
-        // A word that is no file; devices and pipes have nothing that stays.
-        if !fs::metadata(file).is_ok_and(|found| found.is_file()) {
-            continue;
-        }
-        let mut hash = blake3::Hasher::new();
-        let read = fs::File::open(file).and_then(|mut file| std::io::copy(&mut file, &mut hash));
-        read.map_err(CampaignError::file(file))?;
-        whole.update(hash.finalize().as_bytes());
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(mass_kg: u32) -> Plan {
+        let text =
+            format!("command = [\"run\", \"a.ngc\"]\n[vary]\n\"axis.x.mass_kg\" = [{mass_kg}, 1800]\n");
+        Plan::read("one.toml", &text).expect("a campaign")
     }
-    Ok(whole.finalize().to_hex().to_string())
+
+    /// Two begin two campaigns in one new folder at the same time: one of them has it.
+    #[test]
+    fn one_folder_is_of_one_campaign_whoever_else_begins_there() {
+        let place = tempfile::tempdir().expect("a folder");
+        let program = place.path().join("program");
+        fs::write(&program, "p").expect("a file");
+        for round in 0..200 {
+            let root = place.path().join(round.to_string());
+            let open = |mass_kg: u32| Folder::open(plan(mass_kg), &root, &program, None);
+            let both = std::thread::scope(|scope| {
+                let other = scope.spawn(|| open(1700));
+                [open(1900), other.join().expect("it ends")]
+            });
+            let ours: Vec<&Folder> = both.iter().flatten().collect();
+            assert_eq!(ours.len(), 1, "round {round}: {both:?}");
+            let mark = fs::read_to_string(root.join(MARK)).expect("a mark");
+            assert_eq!(mark.trim(), ours[0].made_of);
+        }
+    }
+
+    /// The same campaign, begun by many at the same time.
+    #[test]
+    fn whoever_begins_the_same_campaign_at_the_same_time_takes_part() {
+        let place = tempfile::tempdir().expect("a folder");
+        let program = place.path().join("program");
+        fs::write(&program, "p").expect("a file");
+        for round in 0..100 {
+            let root = place.path().join(round.to_string());
+            let open = || Folder::open(plan(1900), &root, &program, None).map(drop);
+            std::thread::scope(|scope| {
+                let all: Vec<_> = (0..4).map(|_| scope.spawn(open)).collect();
+                all.into_iter().for_each(|one| one.join().expect("it ends").expect("it is ours, too"));
+            });
+        }
+    }
+
+    #[test]
+    fn what_somebody_changed_is_not_kept_or_not_believed() {
+        let place = tempfile::tempdir().expect("a folder");
+        let program = place.path().join("program");
+        fs::write(&program, "p").expect("a file");
+        let folder = Folder::open(plan(1900), &place.path().join("out"), &program, None).expect("a folder");
+        let rows = || vec![Row::from_iter([("seed".into(), 2.into())])];
+        let begun = folder.begin(0).expect("a job");
+        let machine = folder.machine(0);
+        let text = fs::read_to_string(&machine).expect("a machine file");
+        fs::write(&machine, text.replace("1900", "1234")).expect("it is ours");
+        let why = folder.keep(0, &begun, rows()).expect_err("another machine").to_string();
+        assert!(why.contains("00000.toml has changed meanwhile"), "{why}");
+        // The next one to begin makes it right.
+        let begun = folder.begin(0).expect("a job");
+        assert_eq!(fs::read_to_string(&machine).expect("a machine file"), text);
+        folder.keep(0, &begun, rows()).expect("kept");
+        assert_eq!(folder.rows(0).expect("rows"), rows());
+        let job = fs::read_to_string(folder.job(0)).expect("a file");
+        fs::write(folder.job(0), job.replace("\"seed\":2", "\"seed\":7")).expect("it is ours");
+        let why = folder.rows(0).expect_err("other rows").to_string();
+        assert!(why.contains("not those that the job has left"), "{why}");
+    }
+
+    #[test]
+    fn a_file_whose_name_has_a_seed_is_what_its_job_is_made_of() {
+        let place = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| place.path().join(name);
+        for name in ["program", "p0.ngc", "p1.ngc"] {
+            fs::write(at(name), "M2\n").expect("a file");
+        }
+        let command =
+            format!("command = [\"run\", \"{}/p{{seed}}.ngc\"]\nseeds = \"0..2\"\n", place.path().display());
+        let open = || {
+            let plan = Plan::read("one.toml", &command).expect("a campaign");
+            Folder::open(plan, &at("out"), &at("program"), None).expect("a folder")
+        };
+        let folder = open();
+        for job in 0..2 {
+            let begun = folder.begin(job).expect("a job");
+            folder.keep(job, &begun, Vec::new()).expect("kept");
+        }
+        let begun = folder.begin(1).expect("a job");
+        fs::write(at("p1.ngc"), "M30\n").expect("a file");
+        assert!(folder.keep(1, &begun, Vec::new()).is_err(), "it changed meanwhile");
+        let folder = open();
+        assert!(folder.rows(0).is_ok() && folder.rows(1).is_err_and(|why| why.to_string().contains(OTHER)));
+    }
+
+    #[test]
+    fn a_pipe_is_no_mark() {
+        let place = tempfile::tempdir().expect("a folder");
+        let program = place.path().join("program");
+        fs::write(&program, "p").expect("a file");
+        let made = std::process::Command::new("mkfifo").arg(place.path().join(MARK)).status();
+        assert!(made.is_ok_and(|status| status.success()));
+        let why = Folder::open(plan(1900), place.path(), &program, None).expect_err("a pipe").to_string();
+        assert!(why.contains("is a pipe") && why.contains("--out"), "{why}");
+    }
 }

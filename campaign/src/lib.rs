@@ -10,14 +10,18 @@
 //! | [`vary`] | machine files with other values in them |
 //! | [`rows`] | the rows of a document |
 //! | [`folder`] | what is done: a file for each job, written whole or not at all |
+//! | `made` | what a campaign is made of, as a hash |
+//! | `whole` | files that are there as a whole or not at all |
 //! | [`table`] | rows as Parquet |
 #![forbid(unsafe_code)]
 
 pub mod folder;
+mod made;
 pub mod plan;
 pub mod rows;
 pub mod table;
 pub mod vary;
+mod whole;
 
 use std::path::PathBuf;
 

@@ -18,6 +18,20 @@ const SEEDS_A_JOB: u64 = 20;
 const MOST_RUNS: u64 = 1_000_000;
 /// What a campaign gives each run itself.
 const OURS: [&str; 8] = ["--json", "--out", "-o", "--quiet", "-q", "--page", "--panel", "--at"];
+/// What keeps a run from being one of many that end by themselves and leave nothing for the next.
+const NOT_MANY: [&str; 11] = [
+    "--clock",
+    "--processes",
+    "--in-process",
+    "--dry-run",
+    "--listen",
+    "--resume",
+    "--parameters",
+    "--help",
+    "-h",
+    "--version",
+    "--",
+];
 /// Where seeds stand in a command: one, or the first and the one behind the last.
 const SEED: &str = "{seed}";
 const SEEDS: &str = "{seeds}";
@@ -113,6 +127,9 @@ impl Plan {
         if let Some(ours) = command.iter().map(option).find(|word| OURS.contains(&word.as_str())) {
             return Err(format!("command: a campaign says {ours} itself: leave it out"));
         }
+        if let Some(not) = command.iter().map(option).find(|word| NOT_MANY.contains(&word.as_str())) {
+            return Err(format!("command: nothing with {not} can be made many times: leave it out"));
+        }
         if command.iter().any(|word| option(word) == "--machine") {
             return Err(
                 "command: say the machine file as machine = \"FILE\", so that its keys can vary".into()
@@ -204,7 +221,9 @@ impl Plan {
     pub fn runs(&self, job: u64) -> Vec<Run> {
         let many = if self.ranges { 1 } else { self.per_job };
         let all = self.count().unwrap_or(0);
-        (job.saturating_mul(many)..all.min((job + 1).saturating_mul(many))).map(|n| self.run(n)).collect()
+        (job.saturating_mul(many)..all.min(job.saturating_add(1).saturating_mul(many)))
+            .map(|n| self.run(n))
+            .collect()
     }
 
     /// The run with this number: seeds change fastest, then the last name that varies.
@@ -269,17 +288,22 @@ impl Plan {
         )
     }
 
-    /// The machine files that are needed: of each its number, and the keys with their values.
-    pub fn machines(&self) -> Vec<(u64, Vec<(&str, &toml::Value)>)> {
-        let mut all = std::collections::BTreeMap::new();
-        if self.has_machines() {
-            for combination in 0..self.combinations().unwrap_or(0) {
-                let keys = self.values(combination).into_iter().filter(|(varied, _)| !varied.in_command);
-                let keys = keys.map(|(varied, value)| (varied.name.as_str(), value)).collect();
-                all.entry(self.machine_number(combination)).or_insert(keys);
-            }
+    /// The number of machine files that are needed. They are known as 0, 1, 2 …
+    pub fn machines(&self) -> u64 {
+        let values = self.varied.iter().filter(|varied| !varied.in_command).map(|varied| varied.values.len());
+        if self.has_machines() { values.map(|many| many as u64).product() } else { 0 }
+    }
+
+    /// What the machine file with this number has: keys with their values.
+    pub fn keys(&self, mut number: u64) -> Vec<(&str, &toml::Value)> {
+        let mut keys = Vec::new();
+        for varied in self.varied.iter().rev().filter(|varied| !varied.in_command) {
+            let many = varied.values.len() as u64;
+            keys.push((varied.name.as_str(), &varied.values[(number % many) as usize]));
+            number /= many;
         }
-        all.into_iter().collect()
+        keys.reverse();
+        keys
     }
 
     /// The columns that a campaign gives its rows itself.

@@ -94,8 +94,8 @@ pub struct Table<W: Write + Send> {
 }
 
 impl<W: Write + Send> Table<W> {
-    /// Begins a file. `seen` has seen every row that will be pushed; `first` are the names of the columns that
-    /// come first.
+    /// Begins a file. `seen` has seen every row that will be pushed; `first` are the names of the columns
+    /// that come first.
     ///
     /// # Errors
     /// The file cannot be written.

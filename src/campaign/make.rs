@@ -21,7 +21,7 @@ use process::ipc::{
 use serde_json::Value;
 
 use super::script::quote;
-use crate::error::CliError;
+use crate::{error::CliError, run::interrupts::Wish};
 
 /// How often it is looked whether a command has ended.
 const LOOK: Duration = Duration::from_millis(10);
@@ -43,6 +43,7 @@ struct Ended {
 /// It was asked to end, a command was ended from outside or by the computer, what it is made of has
 /// changed, or something cannot be written: nothing is kept.
 pub(super) fn job(folder: &Folder, job: u64, stop: &AtomicBool) -> Result<(), CliError> {
+    let begun = folder.begin(job)?;
     let scratch = folder.scratch(job)?;
     let mut all = Vec::new();
     for run in folder.plan.runs(job) {
@@ -67,7 +68,7 @@ pub(super) fn job(folder: &Folder, job: u64, stop: &AtomicBool) -> Result<(), Cl
             all.push(whole);
         }
     }
-    Ok(folder.keep(job, all)?)
+    Ok(folder.keep(job, &begun, all)?)
 }
 
 /// The rows of one command; where it was refused one that says why.
@@ -84,8 +85,10 @@ fn of_run(run: &Run, status: i32, made: &Ended, scratch: &Path) -> Result<Vec<Ro
         return Err("was broken off".into());
     }
     let outcome = of("outcome").and_then(Value::as_str);
-    // Only a scenario stops a run that nobody attends.
-    if outcome == Some("stopped") && !run.words.iter().any(|word| word.starts_with("--scenario")) {
+    // Only a scenario stops a run that nobody attends; a signal is told.
+    let by_scenario = run.words.iter().any(|word| word.starts_with("--scenario"));
+    let by_signal = Wish::End.words(Wish::None).any(|words| made.said.contains(words));
+    if outcome == Some("stopped") && (!by_scenario || by_signal) {
         return Err("was stopped from outside".into());
     }
     if status == 1 && outcome == Some("completed") {

@@ -79,7 +79,7 @@ pub(crate) fn campaign(args: &CampaignArgs, quiet: bool) -> Result<ExitCode, Cli
     let name = args.file.file_stem().unwrap_or(args.file.as_os_str());
     let root = args.out.clone().unwrap_or_else(|| Path::new("campaigns").join(name));
     let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
-    let folder = Folder::open(plan, &root, &this)?;
+    let folder = Folder::open(plan, &root, &this, args.job)?;
     let missing = folder.missing()?;
     if let Some(job) = args.job {
         return one(&folder, job, &missing, args.json);
@@ -175,7 +175,14 @@ fn merge(folder: &Folder, args: &CampaignArgs, quiet: bool) -> Result<ExitCode, 
     let mut seen = table::Columns::default();
     let mut statuses: BTreeMap<i64, (u64, Row)> = BTreeMap::new();
     let mut count = 0;
+    let shows = !quiet && words::show_bar(2 * jobs);
+    let step = |done: u64| {
+        if shows {
+            words::step(done, format!("the table: {} % of {jobs} jobs read", 50 * done / jobs.max(1)));
+        }
+    };
     for job in 0..jobs {
+        step(job);
         for row in folder.rows(job)? {
             seen.see(&row);
             count += 1;
@@ -184,7 +191,11 @@ fn merge(folder: &Folder, args: &CampaignArgs, quiet: bool) -> Result<ExitCode, 
         }
     }
     let place = folder.table();
-    written::by_parts(&place, |file| fill(folder, seen, file))?;
+    let written = written::by_parts(&place, |file| fill(folder, seen, file, &|job| step(jobs + job)));
+    if shows {
+        words::hide_bar();
+    }
+    written?;
     folder.clear();
     let refused = |(same, _): &(u64, Row)| *same == count;
     let nothing = statuses.get(&2).is_some_and(refused);
@@ -206,10 +217,16 @@ fn merge(folder: &Folder, args: &CampaignArgs, quiet: bool) -> Result<ExitCode, 
 }
 
 /// The rows of all jobs into the table.
-fn fill(folder: &Folder, seen: table::Columns, file: &mut (impl Write + Send)) -> Result<(), CliError> {
+fn fill(
+    folder: &Folder,
+    seen: table::Columns,
+    file: &mut (impl Write + Send),
+    step: &dyn Fn(u64),
+) -> Result<(), CliError> {
     let failed = |error| CliError::from(CampaignError::from(error));
     let mut table = table::Table::begin(file, seen, &folder.plan.columns()).map_err(failed)?;
     for job in 0..folder.plan.jobs() {
+        step(job);
         for row in folder.rows(job)? {
             table.push(row).map_err(failed)?;
         }

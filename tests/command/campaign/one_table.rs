@@ -8,7 +8,7 @@ use parquet::file::reader::SerializedFileReader;
 use parquet::record::Field;
 
 use super::{made, soak, started_by, table};
-use crate::shop::{Answer, Place, can_be_private, example, private, project, signal, until};
+use crate::shop::{Answer, Place, can_be_private, example, private, project, scenario, signal, until};
 
 /// Rows of a table: names and values.
 fn rows(place: &Place, folder: &str) -> Vec<Vec<(String, Field)>> {
@@ -131,9 +131,10 @@ fn what_was_made_of_something_else_is_refused() {
 fn what_happens_to_the_computer_is_not_kept() {
     let place = Place::new();
     let program = "G21 G90\nG1 X5 F100\nG4 P400\nM2\n";
-    let meanwhile = |out: &str, does: &dyn Fn(u32), says: &str| {
+    let bogged = scenario("bogged-spindle");
+    let meanwhile = |out: &str, more: &str, does: &dyn Fn(u32), says: &str| {
         place.write("part.ngc", program);
-        place.write("one.toml", "command = [\"run\", \"part.ngc\"]\n");
+        place.write("one.toml", format!("command = [\"run\", \"part.ngc\"{more}]\n"));
         let mut command = place.pitchlock();
         command.args(["campaign", "one.toml", "--out", out]).stdout(Stdio::null()).stderr(Stdio::piped());
         let campaign = command.spawn().expect("it starts");
@@ -147,15 +148,16 @@ fn what_happens_to_the_computer_is_not_kept() {
         );
         assert_eq!(fs::read_dir(place.at(out).join("jobs")).expect("a folder").count(), 0, "{says}");
     };
-    for signal_name in ["TERM", "INT", "KILL"] {
-        meanwhile(
-            signal_name,
-            &|command| signal(command, signal_name),
-            "job 0: `pitchlock run part.ngc` was",
-        );
+    let under_scenario = format!(", \"--scenario={}\"", bogged.display());
+    for signal_name in ["TERM", "INT", "KILL", "HUP"] {
+        let ends = |command| signal(command, signal_name);
+        meanwhile(signal_name, "", &ends, "job 0: `pitchlock run part.ngc` was");
+        // A scenario may stop a run as well, and this one does not.
+        let out = format!("{signal_name}-in-a-scenario");
+        meanwhile(&out, &under_scenario, &ends, "bogged-spindle.toml` was");
     }
     let changes = |_| drop(place.write("part.ngc", program.replace("X5", "X6")));
-    meanwhile("changed", &changes, "has changed meanwhile");
+    meanwhile("changed", "", &changes, "has changed meanwhile");
 }
 
 /// A disk that is full at the first byte, at the last, and between: the jobs that had no room are made when
@@ -269,6 +271,7 @@ fn a_wrong_file_is_told_before_anything_is_made() {
     let place = Place::new();
     let soak = "command = [\"soak\", \"--seeds\", \"{seeds}\"]\n";
     let run = "command = [\"run\", \"part.ngc\"]\n";
+    place.write("keeps.toml", "[machine]\nparameters = \"p.var\"\n");
     let wrong = [
         ("", "command"),
         ("command = []\n", "begin with one of soak, experiment, tune, run"),
@@ -285,6 +288,9 @@ fn a_wrong_file_is_told_before_anything_is_made() {
         ("command = [\"run\", \"{seed}{seeds}\"]\nseeds = \"0..2\"\n", "keep one of them"),
         ("command = [\"run\", \"{part}\"]\n", "{part} has no values"),
         ("command = [\"run\", \"a.ngc\", \"--json\"]\n", "a campaign says --json itself"),
+        ("command = [\"run\", \"a.ngc\", \"--parameters\", \"p.var\"]\n", "nothing with --parameters"),
+        ("command = [\"run\", \"a.ngc\", \"--clock=real\"]\n", "nothing with --clock"),
+        (&format!("{run}machine = \"keeps.toml\"\n"), "machine.parameters: a run writes this file"),
         ("command = [\"run\", \"a.ngc\", \"--machine=m.toml\"]\n", "say the machine file as machine"),
         (&format!("{run}[vary]\n\"axis.x.mass_kg\" = 3\n"), "a list of values"),
         (&format!("{run}[vary]\n\"axis.x.mass_kg\" = []\n"), "one or more"),
