@@ -104,8 +104,20 @@ fn stood_for(stands: f64) {
     is_the_same_again(&place, "run");
 }
 
-/// Somebody is killed or frozen in cycle 250, which is a second behind the start.
+/// Somebody is killed or frozen in cycle 250, which is a second behind the start. A computer that holds the
+/// machine up so long that it has ended before is given another try.
 fn felled(place: &Place, what: &str, more: &[&str]) -> Summary {
+    for _ in 0..10 {
+        let summary = run_and_felled(place, what, more);
+        if summary.cycles > 250 || summary.processes.iter().any(|process| process.exit != Some(0)) {
+            return summary;
+        }
+        eprintln!("{what} {more:?}: it had ended before: {:?}", summary.faults);
+    }
+    panic!("{what} {more:?}: this computer ends every run within a second");
+}
+
+fn run_and_felled(place: &Place, what: &str, more: &[&str]) -> Summary {
     let mut command = command(place, WAITS, &slow_machine());
     command.args(["--clock", "real", "--watchdog-s", "2", "--trace", "none", "--fell", what]).args(more);
     let mut launcher = command.spawn().expect("it starts");
