@@ -210,7 +210,7 @@ fn a_machine_without_emergency_stop_is_found() {
 
 #[test]
 fn axes_that_do_not_leave_when_they_are_told_to_are_found() {
-    is_found(Row::LeaveFrames, 1600);
+    is_found(Row::LeaveFrames, 4200);
 }
 
 #[test]
