@@ -284,7 +284,8 @@ mod tests {
         assert!(!link.is_free(), "it fills the socket");
         link.answer(&ToPanel::Taken { ticket: 7, cycle: 9 });
         assert_eq!(link.dropped(), 0);
-        let reads = std::thread::spawn(move || BufReader::new(theirs).lines().nth(1));
+        let reads = std::thread::Builder::new().spawn(move || BufReader::new(theirs).lines().nth(1));
+        let reads = reads.expect("a thread");
         while !reads.is_finished() {
             link.is_free();
         }
