@@ -26,15 +26,16 @@ use crate::{
 };
 
 /// A gate in this process, with Zenoh behind it.
-struct Gate {
-    wire: Wire,
-    address: String,
+pub(super) struct Gate {
+    pub(super) wire: Wire,
+    pub(super) address: String,
+    pub(super) key: Key,
     secret: Secret,
-    _folder: tempfile::TempDir,
+    pub(super) folder: tempfile::TempDir,
 }
 
 impl Gate {
-    fn open() -> Gate {
+    pub(super) fn open() -> Gate {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("key");
         Key::make(&path).expect("made");
@@ -42,7 +43,7 @@ impl Gate {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let address = listener.local_addr().expect("a port").to_string();
         let wire = Wire::behind_a_gate(listener, &key, folder.path()).expect("a wire");
-        Gate { wire, address, secret: key.gate(), _folder: folder }
+        Gate { wire, address, secret: key.gate(), key, folder }
     }
 
     /// Somebody calls as this.

@@ -1,7 +1,7 @@
 //! Any bytes at the door: what nobody with the key has sealed changes nothing, and what somebody with it has
 //! sealed breaks nothing.
 
-use std::{net::TcpListener, time::Duration};
+use std::time::Duration;
 
 use hosts::{
     call::call,
@@ -14,6 +14,8 @@ use hosts::{
 };
 use protocol::Credit;
 use testing::{Seed, count};
+
+use crate::gate::Gate;
 
 /// Mutations, unless `PITCHLOCK_MUTATIONS` says otherwise.
 const MUTATIONS: u64 = 5000;
@@ -86,13 +88,7 @@ struct Hosts {
 
 impl Hosts {
     fn new() -> Hosts {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("key");
-        Key::make(&path).expect("made");
-        let key = Key::read(&path).expect("its own");
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let address = listener.local_addr().expect("a port").to_string();
-        let lower = Wire::behind_a_gate(listener, &key, folder.path()).expect("a wire");
+        let Gate { wire: lower, address, key, folder, .. } = Gate::open();
         let mut upper = Wire::that_calls().expect("a wire");
         let net = call(&address, &key.gate(), Role::Operator, Duration::from_secs(5)).expect("let in");
         upper.over(net).expect("a wire");
