@@ -79,7 +79,11 @@ pub(crate) fn campaign(args: &CampaignArgs, quiet: bool) -> Result<ExitCode, Cli
     let name = args.file.file_stem().unwrap_or(args.file.as_os_str());
     let root = args.out.clone().unwrap_or_else(|| Path::new("campaigns").join(name));
     let this = std::env::current_exe().map_err(|error| CliError::Machine(error.to_string()))?;
-    let folder = Folder::open(plan, &root, &this, args.job)?;
+    let named = |error| match error {
+        CampaignError::Input(why) => CampaignError::Input(format!("{}: {why}", args.file.display())),
+        other => other,
+    };
+    let folder = Folder::open(plan, &root, &this, args.job).map_err(named)?;
     let missing = folder.missing()?;
     if let Some(job) = args.job {
         return one(&folder, job, &missing, args.json);

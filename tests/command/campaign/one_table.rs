@@ -307,7 +307,8 @@ fn a_wrong_file_is_told_before_anything_is_made() {
         place.write("wrong.toml", text);
         let answer = place.ask(&["campaign", "wrong.toml"]);
         assert_eq!(answer.status, Some(2), "{text}: {}", answer.stderr);
-        assert!(answer.stderr.contains(says), "{text}: {}", answer.stderr);
+        let named = answer.stderr.starts_with("error: wrong.toml: ");
+        assert!(named && answer.stderr.contains(says), "{text}: {}", answer.stderr);
         assert!(!place.at("campaigns/wrong/jobs/00000.json").exists(), "{text}");
     }
     place.write("good.toml", self::soak(8, 4));
