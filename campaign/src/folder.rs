@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::made::{add, files, made_of};
+use crate::made::{add, files, hash, made_of};
 use crate::plan::Plan;
 use crate::rows::Row;
 use crate::whole::{NEW, holds, put, whole};
@@ -41,6 +41,15 @@ pub struct Folder {
     shared: BTreeSet<String>,
 }
 
+/// A job that has begun.
+#[derive(Debug)]
+pub struct Begun {
+    job: u64,
+    made_of: String,
+    /// Its machine files: where they lie, and what they hold.
+    machines: Vec<(PathBuf, String)>,
+}
+
 /// A job that is done.
 #[derive(Debug, Serialize, Deserialize)]
 struct Done {
@@ -58,11 +67,11 @@ impl Folder {
     /// The machine file cannot be read, values make no machine of it, or the folder cannot be written.
     pub fn open(plan: Plan, root: &Path, program: &Path, job: Option<u64>) -> Result<Folder, CampaignError> {
         let machine = plan.machine.as_deref().map(text).transpose()?;
-        let made_of = made_of(&plan, program)?;
+        let shared = plan.words();
+        let made_of = made_of(&plan, &shared, program)?;
         let original = machine.unwrap_or_else(|| machine::SMALL_LATHE.into());
         let beside = plan.machine.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = beside.canonicalize().unwrap_or_else(|_| beside.into());
-        let shared = plan.words();
         let folder =
             Folder { plan, root: root.into(), program: program.into(), made_of, original, beside, shared };
         folder.machines_are_some(job)?;
@@ -77,7 +86,8 @@ impl Folder {
     /// Refuses values that make no machine, and a machine that keeps something from run to run.
     fn machines_are_some(&self, job: Option<u64>) -> Result<(), CampaignError> {
         let table = self.original.parse::<toml::Table>().unwrap_or_default();
-        if table.get("machine").and_then(|machine| machine.get("parameters")).is_some() {
+        let has = table.get("machine").and_then(|machine| machine.get("parameters")).is_some();
+        if has || self.plan.keys(0).iter().any(|(key, _)| *key == "machine.parameters") {
             return Err(CampaignError::Input(
                 "machine.parameters: a run writes this file in its end, so figures would hang on the order of the \
                  jobs: take it out of the machine file, and let the program set what it has"
@@ -128,11 +138,10 @@ impl Folder {
             let mark = self.root.join(MARK);
             let made = whole(&mark, format!("{}\n", self.made_of).as_bytes())
                 .and_then(|new| new.persist_noclobber(&mark).map(drop).map_err(|error| error.error));
-            match made {
-                Err(error) if error.kind() != ErrorKind::AlreadyExists => {
-                    return Err(CampaignError::file(mark)(error));
-                }
-                _ => {}
+            if let Err(error) = made
+                && error.kind() != ErrorKind::AlreadyExists
+            {
+                return Err(CampaignError::file(mark)(error));
             }
         }
         if self.is_marked()? { Ok(()) } else { Err(self.refused("other files are in this folder already")) }
@@ -222,40 +231,38 @@ impl Folder {
         Ok(done.rows)
     }
 
-    /// A job begins: its machine files are there. What it is made of, for [`keep`](Self::keep).
+    /// A job begins: its machine files are there.
     ///
     /// # Errors
     /// A file cannot be read or written.
-    pub fn begin(&self, job: u64) -> Result<String, CampaignError> {
-        for number in self.machines_of(job) {
-            let (place, content) = (self.machine(number), self.machine_text(number)?);
-            if !holds(&place, &content) {
-                put(&place, content.as_bytes())?;
-            }
+    pub fn begin(&self, job: u64) -> Result<Begun, CampaignError> {
+        let file = |number| Ok((self.machine(number), self.machine_text(number)?));
+        let machines =
+            self.machines_of(job).into_iter().map(file).collect::<Result<Vec<_>, CampaignError>>()?;
+        for (place, content) in machines.iter().filter(|(place, content)| !holds(place, content)) {
+            put(place, content.as_bytes())?;
         }
-        self.of_job(job)
+        Ok(Begun { job, made_of: self.of_job(job)?, machines })
     }
 
-    /// Keeps the rows of a job that was [begun](Self::begin) with this.
+    /// Keeps the rows of a job.
     ///
     /// # Errors
     /// They cannot be written, or what they were made of has changed meanwhile; nothing is left of them then.
-    pub fn keep(&self, job: u64, begun: &str, rows: Vec<Row>) -> Result<(), CampaignError> {
+    pub fn keep(&self, begun: Begun, rows: Vec<Row>) -> Result<(), CampaignError> {
+        let Begun { job, made_of: of_job, machines } = begun;
         let changed = |what: &str| {
             Err(CampaignError::Stale(format!(
                 "job {job}: {what} has changed meanwhile: nothing of it is kept, the same command makes it again"
             )))
         };
-        if made_of(&self.plan, &self.program)? != self.made_of || self.of_job(job)? != begun {
+        if made_of(&self.plan, &self.shared, &self.program)? != self.made_of || self.of_job(job)? != of_job {
             return changed("a file that it is made of");
         }
-        for number in self.machines_of(job) {
-            let place = self.machine(number);
-            if !holds(&place, &self.machine_text(number)?) {
-                return changed(&place.display().to_string());
-            }
+        if let Some((place, _)) = machines.iter().find(|(place, content)| !holds(place, content)) {
+            return changed(&place.display().to_string());
         }
-        let done = Done { made_of: begun.into(), job, hash: hash(&rows)?, rows };
+        let done = Done { made_of: of_job, job, hash: hash(&rows)?, rows };
         let text = serde_json::to_vec(&done).map_err(|error| CampaignError::Input(error.to_string()))?;
         if text.len() as u64 > LONGEST {
             let why = "its rows are longer than a file of a job may be (1 GiB): a smaller per_job makes shorter ones";
@@ -279,12 +286,6 @@ impl Folder {
     }
 }
 
-/// Of rows, as they are written.
-fn hash(rows: &[Row]) -> Result<String, CampaignError> {
-    let text = serde_json::to_vec(rows).map_err(|error| CampaignError::Input(error.to_string()))?;
-    Ok(blake3::hash(&text).to_hex().to_string())
-}
-
 fn text(path: &Path) -> Result<String, CampaignError> {
     let named = |error| CampaignError::Input(format!("{}: {error}", path.display()));
     intake::text(path, intake::SETTINGS).map_err(named)
@@ -300,12 +301,18 @@ mod tests {
         Plan::read("one.toml", &text).expect("a campaign")
     }
 
-    /// Two begin two campaigns in one new folder at the same time: one of them has it.
-    #[test]
-    fn one_folder_is_of_one_campaign_whoever_else_begins_there() {
+    /// A folder, and a program in it.
+    fn place() -> (tempfile::TempDir, PathBuf) {
         let place = tempfile::tempdir().expect("a folder");
         let program = place.path().join("program");
         fs::write(&program, "p").expect("a file");
+        (place, program)
+    }
+
+    /// Two begin two campaigns in one new folder at the same time: one of them has it.
+    #[test]
+    fn one_folder_is_of_one_campaign_whoever_else_begins_there() {
+        let (place, program) = place();
         for round in 0..200 {
             let root = place.path().join(round.to_string());
             let open = |mass_kg: u32| Folder::open(plan(mass_kg), &root, &program, None);
@@ -323,9 +330,7 @@ mod tests {
     /// The same campaign, begun by many at the same time.
     #[test]
     fn whoever_begins_the_same_campaign_at_the_same_time_takes_part() {
-        let place = tempfile::tempdir().expect("a folder");
-        let program = place.path().join("program");
-        fs::write(&program, "p").expect("a file");
+        let (place, program) = place();
         for round in 0..100 {
             let root = place.path().join(round.to_string());
             let open = || Folder::open(plan(1900), &root, &program, None).map(drop);
@@ -338,21 +343,19 @@ mod tests {
 
     #[test]
     fn what_somebody_changed_is_not_kept_or_not_believed() {
-        let place = tempfile::tempdir().expect("a folder");
-        let program = place.path().join("program");
-        fs::write(&program, "p").expect("a file");
+        let (place, program) = place();
         let folder = Folder::open(plan(1900), &place.path().join("out"), &program, None).expect("a folder");
         let rows = || vec![Row::from_iter([("seed".into(), 2.into())])];
         let begun = folder.begin(0).expect("a job");
         let machine = folder.machine(0);
         let text = fs::read_to_string(&machine).expect("a machine file");
         fs::write(&machine, text.replace("1900", "1234")).expect("it is ours");
-        let why = folder.keep(0, &begun, rows()).expect_err("another machine").to_string();
+        let why = folder.keep(begun, rows()).expect_err("another machine").to_string();
         assert!(why.contains("00000.toml has changed meanwhile"), "{why}");
         // The next one to begin makes it right.
         let begun = folder.begin(0).expect("a job");
         assert_eq!(fs::read_to_string(&machine).expect("a machine file"), text);
-        folder.keep(0, &begun, rows()).expect("kept");
+        folder.keep(begun, rows()).expect("kept");
         assert_eq!(folder.rows(0).expect("rows"), rows());
         let job = fs::read_to_string(folder.job(0)).expect("a file");
         fs::write(folder.job(0), job.replace("\"seed\":2", "\"seed\":7")).expect("it is ours");
@@ -376,20 +379,18 @@ mod tests {
         let folder = open();
         for job in 0..2 {
             let begun = folder.begin(job).expect("a job");
-            folder.keep(job, &begun, Vec::new()).expect("kept");
+            folder.keep(begun, Vec::new()).expect("kept");
         }
         let begun = folder.begin(1).expect("a job");
         fs::write(at("p1.ngc"), "M30\n").expect("a file");
-        assert!(folder.keep(1, &begun, Vec::new()).is_err(), "it changed meanwhile");
+        assert!(folder.keep(begun, Vec::new()).is_err(), "it changed meanwhile");
         let folder = open();
         assert!(folder.rows(0).is_ok() && folder.rows(1).is_err_and(|why| why.to_string().contains(OTHER)));
     }
 
     #[test]
     fn a_pipe_is_no_mark() {
-        let place = tempfile::tempdir().expect("a folder");
-        let program = place.path().join("program");
-        fs::write(&program, "p").expect("a file");
+        let (place, program) = place();
         let made = std::process::Command::new("mkfifo").arg(place.path().join(MARK)).status();
         assert!(made.is_ok_and(|status| status.success()));
         let why = Folder::open(plan(1900), place.path(), &program, None).expect_err("a pipe").to_string();

@@ -1,5 +1,5 @@
-//! What a campaign is made of, as a hash. In: a campaign, the program. Out: a hash of all files that its rows
-//! hang on.
+//! What a campaign is made of, and what a job has left, as hashes. In: a campaign, the program; rows. Out: a
+//! hash of all files that its rows hang on; one of the rows.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,14 +7,18 @@ use std::path::Path;
 
 use crate::CampaignError;
 use crate::plan::Plan;
+use crate::rows::Row;
 
-/// Of all jobs: the campaign file, its machine file, every file that a word of one of
-/// its commands names, also behind `=`, and the program.
-pub(crate) fn made_of(plan: &Plan, program: &Path) -> Result<String, CampaignError> {
+/// Of all jobs: the campaign file, its machine file, every file that one of these words of its commands
+/// names, also behind `=`, and the program.
+pub(crate) fn made_of(
+    plan: &Plan,
+    words: &BTreeSet<String>,
+    program: &Path,
+) -> Result<String, CampaignError> {
     let mut whole = blake3::Hasher::new();
     whole.update(blake3::hash(plan.text.as_bytes()).as_bytes());
-    let words = plan.words();
-    for file in plan.machine.as_deref().into_iter().chain(files(&words)).chain([program]) {
+    for file in plan.machine.as_deref().into_iter().chain(files(words)).chain([program]) {
         add(&mut whole, file)?;
     }
     Ok(whole.finalize().to_hex().to_string())
@@ -34,4 +38,10 @@ pub(crate) fn add(whole: &mut blake3::Hasher, file: &Path) -> Result<(), Campaig
     read.map_err(CampaignError::file(file))?;
     whole.update(hash.finalize().as_bytes());
     Ok(())
+}
+
+/// Of rows, as they are written.
+pub(crate) fn hash(rows: &[Row]) -> Result<String, CampaignError> {
+    let text = serde_json::to_vec(rows).map_err(|error| CampaignError::Input(error.to_string()))?;
+    Ok(blake3::hash(&text).to_hex().to_string())
 }

@@ -68,7 +68,7 @@ pub(super) fn job(folder: &Folder, job: u64, stop: &AtomicBool) -> Result<(), Cl
             all.push(whole);
         }
     }
-    Ok(folder.keep(job, &begun, all)?)
+    Ok(folder.keep(begun, all)?)
 }
 
 /// The rows of one command; where it was refused one that says why.

@@ -290,6 +290,7 @@ fn a_wrong_file_is_told_before_anything_is_made() {
         ("command = [\"run\", \"a.ngc\", \"--json\"]\n", "a campaign says --json itself"),
         ("command = [\"run\", \"a.ngc\", \"--parameters\", \"p.var\"]\n", "nothing with --parameters"),
         ("command = [\"run\", \"a.ngc\", \"--clock=real\"]\n", "nothing with --clock"),
+        (&format!("{run}[vary]\n\"machine.parameters\" = [\"p.var\"]\n"), "machine.parameters: a run writes"),
         (&format!("{run}machine = \"keeps.toml\"\n"), "machine.parameters: a run writes this file"),
         ("command = [\"run\", \"a.ngc\", \"--machine=m.toml\"]\n", "say the machine file as machine"),
         (&format!("{run}[vary]\n\"axis.x.mass_kg\" = 3\n"), "a list of values"),
