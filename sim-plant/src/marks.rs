@@ -17,6 +17,7 @@
 use machine::{AxisConfig, Method};
 
 use crate::config::{AxisTrain, Facts, ReferenceFault};
+use crate::drive_train::DriveTrain;
 use crate::seed::Seed;
 
 /// The switch and the index of an axis that has a reference.
@@ -65,13 +66,19 @@ impl Marks {
         belief: &AxisConfig,
         train: &AxisTrain,
         facts: &Facts,
+        drives: &DriveTrain,
         phase: f64,
         own: &Seed,
     ) -> Option<Marks> {
         let reference = belief.reference.as_ref()?;
         let before = if reference.method == Method::SwitchAndIndex { 0.5 * facts.screw_lead_mm } else { 0.0 };
         let at_mm = train.switch_mm.unwrap_or(reference.position_mm - before * reference.way());
-        let index_mm = train.index_mm.unwrap_or(reference.position_mm);
+        // What is believed is the position of the motor; with a scale it is that of the slide.
+        let as_believed_mm = match facts.scale_step_mm {
+            Some(_) => drives.motor_mm(reference.position_mm),
+            None => reference.position_mm,
+        };
+        let index_mm = train.index_mm.unwrap_or(as_believed_mm);
         let counts = f64::from(facts.encoder_counts);
         let count_mm = facts.screw_lead_mm / counts;
         let mut switch = Switch {
@@ -88,7 +95,7 @@ impl Marks {
         switch.goes_on_anew();
         switch.on = switch.is_beyond(facts.home_mm);
         let index = Index {
-            at: ((index_mm - facts.home_mm) / count_mm + phase).round(),
+            at: ((index_mm - drives.motor_mm(facts.home_mm)) / count_mm + phase).round(),
             counts,
             turn: None,
             count: 0.0,

@@ -3,14 +3,17 @@
 //!
 //! | symbol | unit | meaning |
 //! |---|---|---|
-//! | x, n | m | way of the motor (turns times lead) and of the nut, both 0 at home, where the machine was referenced |
-//! | q | m | position of the motor, home + x |
+//! | x, n | m | way of the motor (turns times lead) and of the nut, both 0 where the axis is switched on |
+//! | h, y | m | home, where nut and motor are at one; where the slide is when it is switched on, mostly h |
+//! | q | m | position of the motor, q0 + x |
 //! | e | m | how much too far the nut stands: the table, and a wobble once a turn |
 //! | a, P | m | size of the wobble and lead of the screw |
 //!
 //! ```text
-//! n = x + e(q) − e(home),   dn/dx = 1 + e'(q),   e(q) = table(q) + a sin(2π q/P)                       (M72)
+//! n = x + e(q) − e(q0),   dn/dx = 1 + e'(q),   e(q) = table(q) + a sin(2π q/P)                       (M72)
+//! q0 + e(q0) − e(h) = y
 //! ```
+//! The screw is built into the machine: wherever one with a reference run is switched on, h is its home.
 //! Between its rows the table is a cubic with continuous slope; the slope in a row is that of the parabola
 //! through it and its neighbours, at both ends zero, and beyond them the error stays what it is. A
 //! controller's table may be another one.
@@ -22,11 +25,15 @@ use crate::config::{AxisTrain, PlantError, range};
 
 /// Steepest error, a share of the way.
 const STEEPEST: f64 = 0.05;
+/// Steps of the iteration that finds q0. Each is more exact by the slope of the error, at worst a seventh.
+const INVERSIONS: usize = 24;
 
 /// The error of one screw.
 #[derive(Clone, Debug)]
 pub(crate) struct ScrewError {
-    home_m: f64,
+    begins_m: f64,
+    /// Errors where it is switched on, and at home.
+    at_beginning_m: f64,
     at_home_m: f64,
     /// Where the table begins and ends, m.
     range_m: (f64, f64),
@@ -43,14 +50,15 @@ struct Piece {
 }
 
 impl ScrewError {
-    /// The screw of an axis; `None` for one without error. `section` names the axis in errors.
+    /// The screw of an axis; `None` for one without error. `home_mm` is where nut and motor are at one,
+    /// `slide_mm` where the slide is when it is switched on; `section` names the axis in errors.
     ///
     /// # Errors
     /// A table that no screw has, by key.
     pub(crate) fn new(
         train: &AxisTrain,
         screw_lead_mm: f64,
-        home_mm: f64,
+        [home_mm, slide_mm]: [f64; 2],
         section: &str,
     ) -> Result<Option<ScrewError>, PlantError> {
         if train.screw_error.is_empty() && train.screw_wobble_um == 0.0 {
@@ -60,22 +68,30 @@ impl ScrewError {
         let rows: Vec<[f64; 2]> = train.screw_error.iter().map(|[mm, um]| [1e-3 * mm, 1e-6 * um]).collect();
         let end = |row: Option<&[f64; 2]>| row.map_or(0.0, |[at, _]| *at);
         let mut screw = ScrewError {
-            home_m: 1e-3 * home_mm,
+            begins_m: 0.0,
+            at_beginning_m: 0.0,
             at_home_m: 0.0,
             range_m: (end(rows.first()), end(rows.last())),
             pieces: pieces(&rows),
             wobble_m: 1e-6 * train.screw_wobble_um,
             turn_per_m: TAU / (1e-3 * screw_lead_mm),
         };
-        screw.at_home_m = screw.error(screw.home_m).0;
+        screw.at_home_m = screw.error(1e-3 * home_mm).0;
+        screw.begins_m = 1e-3 * screw.motor_mm(slide_mm);
+        screw.at_beginning_m = screw.error(screw.begins_m).0;
         Ok(Some(screw))
+    }
+
+    /// Position of the motor for one of the nut, mm of the machine.
+    pub(crate) fn motor_mm(&self, nut_mm: f64) -> f64 {
+        (0..INVERSIONS).fold(nut_mm, |q, _| nut_mm - 1e3 * (self.error(1e-3 * q).0 - self.at_home_m))
     }
 
     /// Way of the nut for a way of the motor, m, and its slope.
     #[inline]
     pub(crate) fn nut(&self, x: f64) -> (f64, f64) {
-        let (error_m, slope) = self.error(self.home_m + x);
-        (x + (error_m - self.at_home_m), 1.0 + slope)
+        let (error_m, slope) = self.error(self.begins_m + x);
+        (x + (error_m - self.at_beginning_m), 1.0 + slope)
     }
 
     /// Error at a position of the motor, and its slope.
@@ -160,7 +176,7 @@ mod tests {
     fn screw(rows: &[[f64; 2]], wobble_um: f64, home_mm: f64) -> Result<Option<ScrewError>, PlantError> {
         let train =
             AxisTrain { screw_error: rows.to_vec(), screw_wobble_um: wobble_um, ..AxisTrain::default() };
-        ScrewError::new(&train, 5.0, home_mm, "plant.axis.z")
+        ScrewError::new(&train, 5.0, [home_mm; 2], "plant.axis.z")
     }
 
     const ROWS: [[f64; 2]; 4] = [[-300.0, 4.0], [-100.0, -11.0], [0.0, 0.0], [50.0, 7.5]];
@@ -186,6 +202,23 @@ mod tests {
             let slope = (screw.nut(x + h).0 - screw.nut(x - h).0) / (2.0 * h);
             assert!((screw.nut(x).1 - slope).abs() < 1e-6, "{slope} at {x} m");
         }
+    }
+
+    #[test]
+    fn wherever_it_is_switched_on_the_screw_is_the_same() {
+        let train = AxisTrain { screw_error: ROWS.to_vec(), screw_wobble_um: 30.0, ..AxisTrain::default() };
+        let at_home = screw(&ROWS, 30.0, 100.0).unwrap().unwrap();
+        for step in 0..60 {
+            let slide_mm = 40.0 + 1.7 * f64::from(step);
+            let screw = ScrewError::new(&train, 5.0, [100.0, slide_mm], "z").unwrap().unwrap();
+            let motor_mm = screw.motor_mm(slide_mm);
+            for way_mm in [0.0, -3.1, 7.9] {
+                let there_mm = slide_mm + 1e3 * screw.nut(1e-3 * way_mm).0;
+                let same_mm = 100.0 + 1e3 * at_home.nut(1e-3 * (motor_mm + way_mm - 100.0)).0;
+                assert!((there_mm - same_mm).abs() < 1e-9, "{there_mm} and {same_mm} mm from {slide_mm}");
+            }
+        }
+        assert_eq!(at_home.motor_mm(100.0), 100.0);
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod cones;
 mod contour;
 mod corrections;
 mod gauge;
+mod ground;
 mod held;
 mod hostile;
 mod inputs;

@@ -20,9 +20,9 @@ pub(crate) struct Facts {
     pub(crate) encoder_counts: u32,
     /// Where the slide truly stands when the controller takes it to be at home, mm.
     pub(crate) home_mm: f64,
-    /// Where it is home as the magnets of the motor lie to the machine, mm: an encoder that is believed from
+    /// Where it is home as motor and screw are built into the machine, mm: an encoder that is believed from
     /// the start has been set there, and whoever makes a reference run may be switched on anywhere.
-    pub(crate) magnets_home_mm: f64,
+    pub(crate) built_home_mm: f64,
     /// Step of the scale, mm, if there is one.
     pub(crate) scale_step_mm: Option<f64>,
     /// Limit of the drive's torque, as the drive believes its torque, N·m.
@@ -256,7 +256,7 @@ impl AxisTrain {
             screw_lead_mm: self.screw_lead_mm.unwrap_or(belief.screw_lead_mm),
             encoder_counts: self.encoder_counts.unwrap_or(belief.encoder_counts),
             home_mm,
-            magnets_home_mm: if belief.reference.is_some() { belief.home_mm } else { home_mm },
+            built_home_mm: if belief.reference.is_some() { belief.home_mm } else { home_mm },
             scale_step_mm: belief.scale_step_mm.map(|step_mm| self.scale_step_mm.unwrap_or(step_mm)),
             torque_limit_nm: self.torque_limit_nm.unwrap_or(belief.torque_limit_nm),
         }

@@ -129,7 +129,9 @@ impl DriveTrain {
             (train.screw_viscous_n_s_mm * 1e3, train.slide_viscous_n_s_mm * 1e3);
         let drawn = seed.fraction();
         let at_home = train.cogging_deg.map_or(drawn, |degrees| degrees / 360.0);
-        let off = (facts.home_mm - facts.magnets_home_mm) / screw_lead_mm;
+        let homes_mm = [facts.built_home_mm, facts.home_mm];
+        let screw_error = ScrewError::new(train, screw_lead_mm, homes_mm, &section)?;
+        let off = (motor_mm(&screw_error, facts.home_mm) - facts.built_home_mm) / screw_lead_mm;
         let phase = at_home + f64::from(train.cogging_per_rev) * off;
         let cogging = Cogging::new(train.cogging_nm, train.cogging_per_rev, turns, phase);
         let magnets = cogging.map_or(0.0, |cogging| cogging.stiffness());
@@ -158,7 +160,7 @@ impl DriveTrain {
             half_backlash,
             gravity_n: train.gravity_n,
             hang_m: hang_m(train.gravity_n, stiffness, half_backlash),
-            screw_error: ScrewError::new(train, screw_lead_mm, facts.home_mm, &section)?,
+            screw_error,
             screw_viscous,
             slide_viscous,
             brake_step: step_s / motor_kg * train.brake_n,
@@ -172,6 +174,11 @@ impl DriveTrain {
 
     pub(crate) fn motion(&self) -> &Motion {
         &self.motion
+    }
+
+    /// Position of the motor in the machine, mm, where its nut is at this one.
+    pub(crate) fn motor_mm(&self, nut_mm: f64) -> f64 {
+        motor_mm(&self.screw_error, nut_mm)
     }
 
     /// Position and speed of the nut, m and m/s.
@@ -270,6 +277,11 @@ impl DriveTrain {
 #[inline]
 fn nut(screw: &Option<ScrewError>, x: f64) -> (f64, f64) {
     screw.as_ref().map_or((x, 1.0), |screw| screw.nut(x))
+}
+
+/// Position of the motor for one of the nut, mm of the machine.
+fn motor_mm(screw: &Option<ScrewError>, nut_mm: f64) -> f64 {
+    screw.as_ref().map_or(nut_mm, |screw| screw.motor_mm(nut_mm))
 }
 
 /// What the nut lies back from the slide, m, where a weight hangs on it (M111).

@@ -59,13 +59,15 @@ impl AxisPlant {
         mut own: Seed,
         lost_commands: u32,
     ) -> Result<AxisPlant, PlantError> {
-        let marks = Marks::of(belief, train, facts, encoder_phase, &own);
+        let drawn = own.clone();
+        let drives = DriveTrain::new(train, axis, facts, cycle_s, &mut own)?;
+        let marks = Marks::of(belief, train, facts, &drives, encoder_phase, &drawn);
         Ok(AxisPlant {
             axis,
             home_mm: belief.home_mm,
             true_home_mm: facts.home_mm,
             drive: Drive::new(belief, train, lost_commands, cycle_s),
-            train: DriveTrain::new(train, axis, facts, cycle_s, &mut own)?,
+            train: drives,
             meter: Meter::new(train.torque_noise_nm, train.torque_step_nm, own),
             torque_nm: None,
             quantum_mm: belief.screw_lead_mm / f64::from(belief.encoder_counts),
