@@ -28,6 +28,8 @@ pub(crate) struct References {
     /// Bit n is axis n in the order of the wire.
     open: u8,
     run: Option<Run>,
+    /// Where each axis is when its switch or index comes, as it is measured.
+    known: PerAxis<Position>,
     /// Who works by hand asks for each; a program begins with all.
     pub(crate) by_hand: bool,
     /// The cycle whose measurement had the offset first.
@@ -76,7 +78,12 @@ impl References {
     /// Of a machine that is switched on.
     pub(crate) fn new(machine: &Machine) -> References {
         let has = |(axis, config): (Axis, &AxisConfig)| u8::from(config.reference.is_some()) << axis.index();
-        References { open: machine.axes().map(has).sum(), run: None, by_hand: false, shown: None }
+        let mut known = PerAxis::default();
+        for (axis, config) in machine.axes() {
+            let at_mm = config.reference.map_or(0.0, |reference| reference.measured_mm(config));
+            known[axis.index()] = Position::from_mm(at_mm);
+        }
+        References { open: machine.axes().map(has).sum(), run: None, known, by_hand: false, shown: None }
     }
 
     /// The axes that are not referenced, bit by bit.
@@ -173,7 +180,7 @@ impl References {
                 *run = Run { from: backed_off, ..Run::anew(axis, Phase::Latch) };
             }
             (Phase::Latch, true, true) => {
-                return match sets(config, &reference, &run.marks) {
+                return match sets(config, &reference, self.known[axis.index()], &run.marks) {
                     Ok(offset) => Then::Sets(axis, offset),
                     Err(fault) => Then::Fails(axis, fault),
                 };
@@ -270,20 +277,20 @@ fn behind_mm(reference: &ReferenceConfig, marks: &AxisReference) -> f64 {
     marks.indexed_at.mm_from(marks.switched_at) * reference.way()
 }
 
-/// The offset that makes the latched position what it is known to be. The first index behind the switch
+/// The offset that makes the latched position what it is `known` to be. The first index behind the switch
 /// counts, and the one that was latched is the last of those that one look found: one comes with every turn.
 ///
 /// # Errors
 /// The switch does not tell one index from the next.
-fn sets(config: &AxisConfig, reference: &ReferenceConfig, marks: &AxisReference) -> Result<Position, Fault> {
-    let (known, lead_mm) = (Position::from_mm(reference.position_mm), config.screw_lead_mm);
+fn sets(
+    config: &AxisConfig,
+    reference: &ReferenceConfig,
+    known: Position,
+    marks: &AxisReference,
+) -> Result<Position, Fault> {
+    let lead_mm = config.screw_lead_mm;
     let off_mm = match reference.method {
-        // The slide is at its switch, and its nut on the flank that it came by: half the backlash behind the
-        // motor. A scale is at the slide itself.
-        Method::Switch => {
-            let behind_mm = if config.scale_step_mm.is_some() { 0.0 } else { 0.5 * config.backlash_mm };
-            known.mm_from(marks.switched_at) + reference.way() * behind_mm
-        }
+        Method::Switch => known.mm_from(marks.switched_at),
         Method::SwitchAndIndex => {
             let turns = behind_mm(reference, marks) / lead_mm;
             let more = turns.floor();
@@ -321,7 +328,8 @@ mod tests {
             switched_at,
             indexed_at: switched_at.moved(way * behind_mm),
         };
-        sets(&machine.axis[&Axis::X], &reference, &marks).map(|offset| offset.mm())
+        let known = Position::from_mm(reference.position_mm);
+        sets(&machine.axis[&Axis::X], &reference, known, &marks).map(|offset| offset.mm())
     }
 
     #[test]

@@ -16,6 +16,7 @@ mod part;
 mod path;
 mod positioner;
 mod reference;
+pub mod screw;
 mod spindle;
 mod tapping;
 mod tool;

@@ -9,7 +9,7 @@ use motion::Exit;
 use protocol::Axis;
 use serde::{Deserialize, Serialize};
 
-use super::{AxisConfig, General, Machine, MachineError, axis::key, range, refuse};
+use super::{AxisConfig, General, Machine, MachineError, axis::key, range, refuse, screw::Screw};
 
 /// Behind where a switch must have changed by all that is believed, the axis goes on so far in vain, mm.
 pub const BEYOND_MM: f64 = 10.0;
@@ -24,7 +24,8 @@ const REACTS_TICKS: f64 = 6.0;
 pub struct ReferenceConfig {
     /// What the axis is referenced to.
     pub method: Method,
-    /// Position of the axis where the switch goes on, or with an index at the index, mm.
+    /// Where the slide is when the switch goes on, mm; with an index where the motor is at the index, with a
+    /// scale the slide.
     #[serde(alias = "position_deg")]
     pub position_mm: f64,
     /// Speed of the way to the switch, mm/s; its sign is the direction. Of an index alone only that counts.
@@ -76,6 +77,19 @@ impl ReferenceConfig {
     /// Direction of the search, ±1.
     pub fn way(&self) -> f64 {
         self.search_mm_s.signum()
+    }
+
+    /// Where the axis is measured when its switch or index comes, mm. The slide is at its switch, and the
+    /// motor as far from it as is believed of the screw (M68), on the flank that it came by. A scale is at
+    /// the slide itself, an index at the motor.
+    pub fn measured_mm(&self, config: &AxisConfig) -> f64 {
+        if self.method != Method::Switch || config.scale_step_mm.is_some() {
+            return self.position_mm;
+        }
+        let screw = Screw::new(&config.screw_error);
+        let error_mm = |s| screw.as_ref().map_or(0.0, |screw| screw.error(s)[0]);
+        let ahead_mm = 0.5 * config.backlash_mm * self.way();
+        self.position_mm - error_mm(self.position_mm) + error_mm(config.home_mm) + ahead_mm
     }
 
     /// Where an axis with an index alone may stand and make its run within its travel, mm: it stands up to

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | s, v, a | mm, mm/s, mm/s² | motion of the axis as commanded |
 //! | m | mm | position of the motor |
-//! | e(s) | mm | error of the screw: how much too far the slide stands (`screw.rs`) |
+//! | e(s) | mm | error of the screw: how much too far the slide stands (`machine/src/screw.rs`) |
 //! | B, b | mm | backlash; what of it the motor is ahead: B/2 on the way up, −B/2 on the way down, 0 at the start |
 //! | x(t) | mm | stroke from one side to the other (M2), as short as the limits of the axis allow (M7) |
 //!
@@ -27,7 +27,7 @@
 use machine::AxisConfig;
 use motion::{Sample, Stroke};
 
-use crate::screw::Screw;
+use machine::screw::Screw;
 
 /// How far the commanded position comes back before that is a reversal, mm.
 const REVERSED_MM: f64 = 1e-3;

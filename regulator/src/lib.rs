@@ -13,7 +13,7 @@
 //! | [`encoder`] | whether the counts can be true, and every index comes (M70, M71) |
 //! | [`stream`] | timed motion between setpoints |
 //! | [`reference`](mod@reference) | where the axis shall be: now, and about it, at the leads of the feedforwards (M8, M54) |
-//! | [`compensation`], [`screw`] | what the motor does besides, for backlash and the error of the screw (M68, M69) |
+//! | [`compensation`] | what the motor does besides, for backlash and the error of the screw (M68, M69) |
 //! | [`elastic`] | what the motor does besides, for what the drive train gives (M131) |
 //! | [`feedforward`] | structures of feedforward: which of them feeds what (M54, M67) |
 //! | [`learning`] | torque that each place of a turn of the motor needs besides (M133) |
@@ -31,7 +31,6 @@ mod lift;
 pub mod loops;
 pub mod reference;
 mod regulator;
-pub mod screw;
 pub mod spindle;
 pub mod state;
 pub mod stream;

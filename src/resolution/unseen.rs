@@ -4,7 +4,7 @@
 //! The controller takes both off as far as the machine file is right (M68), so what a part gets of them is
 //! what that is wrong by: it is given the step of position (M30). An axis with a scale sees both.
 
-use regulator::screw::Screw;
+use machine::screw::Screw;
 
 use super::{Asked, needs::AxisNeeds};
 use report::table::three;

@@ -143,7 +143,9 @@ fn what_is_believed_of_a_screw_holds_wherever_the_axis_is_switched_on() {
     let places = [20.0, 0.0, -40.0, -100.0].map(|mm| (mm, 0.0));
     for axis in [Axis::Z, Axis::C] {
         for scale in ["", "scale_step_mm = 0.0001\n"] {
-            for method in [Method::SwitchAndIndex, Method::Index] {
+            // Indexes of a motor are not whole turns apart on a scale: alone it has to be the marked one.
+            let count = if scale.is_empty() { 3 } else { 2 };
+            for method in [Method::Switch, Method::SwitchAndIndex, Method::Index].into_iter().take(count) {
                 let scale = if axis.is_rotary() { scale.replace("mm", "deg") } else { scale.to_owned() };
                 let believed = format!("{scale}{}", table(axis));
                 let steep = |off_mm| (lathe(axis, method, off_mm, &believed, &table(axis)), axis);
