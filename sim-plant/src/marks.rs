@@ -16,7 +16,7 @@
 
 use machine::{AxisConfig, Method};
 
-use crate::config::{AxisTrain, Facts, ReferenceFault};
+use crate::config::{AxisTrain, Facts, ReferenceFault, SwitchWay};
 use crate::drive_train::DriveTrain;
 use crate::seed::Seed;
 
@@ -72,7 +72,12 @@ impl Marks {
     ) -> Option<Marks> {
         let reference = belief.reference.as_ref()?;
         let before = if reference.method == Method::SwitchAndIndex { 0.5 * facts.screw_lead_mm } else { 0.0 };
-        let at_mm = train.switch_mm.unwrap_or(reference.position_mm - before * reference.way());
+        let way = match train.switch_way {
+            Some(SwitchWay::Positive) => 1.0,
+            Some(SwitchWay::Negative) => -1.0,
+            None => reference.way(),
+        };
+        let at_mm = train.switch_mm.unwrap_or(reference.position_mm - before * way);
         // What is believed is the position of the motor; with a scale it is that of the slide.
         let as_believed_mm = match facts.scale_step_mm {
             Some(_) => drives.motor_mm(reference.position_mm),
@@ -83,7 +88,7 @@ impl Marks {
         let count_mm = facts.screw_lead_mm / counts;
         let mut switch = Switch {
             at_mm,
-            way: reference.way(),
+            way,
             hysteresis_mm: train.switch_hysteresis_mm,
             scatter_mm: train.switch_scatter_mm,
             seed: own.branch(0),

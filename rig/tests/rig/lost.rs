@@ -3,7 +3,7 @@
 //! one index goes by.
 
 use machine::{Machine, Method};
-use protocol::{Axis, ByHand, Code, Feed, Item, PerAxis, Position, operator::Request};
+use protocol::{Axis, ByHand, Code, Fault, Feed, Item, PerAxis, Position, operator::Request};
 
 use crate::references::{GIVEN, Seen, begins, count_mm, holds, homing, lathe, run, session};
 
@@ -91,6 +91,31 @@ fn one_that_stands_on_its_switch_jogs_off_it_and_no_further_onto_it() {
         let went = end.commanded_mm - first.commanded_mm;
         assert!((went - if moves { mm } else { 0.0 }).abs() < 1e-6, "{mm}: it went {went} mm");
         assert_eq!(end.on, !moves, "{mm}: {end:?}");
+    }
+}
+
+/// The true switch is where it is, whatever the controller takes for its direction; if nothing is said of it,
+/// it is where it is looked for.
+#[test]
+fn a_search_the_wrong_way_finds_no_switch() {
+    let [found, released] = [Some(Fault::SwitchNotFound), Some(Fault::SwitchNotReleased)];
+    for (mm_s, truth, fault) in [
+        (25.0, "switch_way = \"positive\"", None),
+        (-25.0, "switch_way = \"positive\"", found),
+        (25.0, "switch_way = \"negative\"\nswitch_mm = 20", found),
+        // It stands on it.
+        (25.0, "switch_way = \"negative\"", released),
+        (-25.0, "", None),
+    ] {
+        let mut machine = lathe(Method::Switch, truth);
+        let x = machine.axis.get_mut(&Axis::X).expect("it has an X");
+        x.reference.as_mut().expect("it has one").search_mm_s = mm_s;
+        machine.check().expect("there is room");
+        let seen = run(&machine, &homing(&machine, 4), &[(GIVEN, Request::Block)], "", 4);
+        let (what, end) = (format!("{mm_s} mm/s, {truth:?}"), seen.last().expect("it ran"));
+        assert_eq!(Fault::from_code(end.fault), fault, "{what}: {end:?}");
+        assert_eq!(end.open, fault.is_some(), "{what}: {end:?}");
+        assert_eq!(end.speed_mm_s, 0.0, "{what}: {end:?}");
     }
 }
 

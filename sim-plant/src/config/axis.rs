@@ -41,6 +41,16 @@ pub(crate) enum ReferenceFault {
     NoIndex,
 }
 
+/// The way on which a slide goes onto its switch, and on to the end of its travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SwitchWay {
+    /// Towards higher positions.
+    Positive,
+    /// Towards lower ones.
+    Negative,
+}
+
 /// `[plant.axis.*]`: motor and screw, slide, guide, and what the drive does when it is left alone.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -56,6 +66,8 @@ pub(crate) struct AxisTrain {
     /// the controller believes if nothing is said, the switch half a turn before an index behind it.
     pub(crate) switch_mm: Option<f64>,
     pub(crate) index_mm: Option<f64>,
+    /// On which side of its place it is on; where the controller looks for it if nothing is said.
+    pub(crate) switch_way: Option<SwitchWay>,
     /// How far back the switch goes off, and how far beside its place it goes on at most, mm.
     pub(crate) switch_hysteresis_mm: f64,
     pub(crate) switch_scatter_mm: f64,
@@ -121,6 +133,7 @@ impl Default for AxisTrain {
             home_off_mm: 0.0,
             switch_mm: None,
             index_mm: None,
+            switch_way: None,
             switch_hysteresis_mm: 0.05,
             switch_scatter_mm: 0.002,
             reference_fault: None,
@@ -238,6 +251,7 @@ impl AxisTrain {
         let dead_switch = matches!(self.reference_fault, Some(SwitchOpen | SwitchClosed));
         for (name, is_given, is_there, mark) in [
             ("switch_mm", self.switch_mm.is_some(), has_switch, "switch"),
+            ("switch_way", self.switch_way.is_some(), has_switch, "switch"),
             ("index_mm", self.index_mm.is_some(), has_index, "index"),
             ("reference_fault", dead_switch, has_switch, "switch"),
             ("reference_fault", self.reference_fault == Some(NoIndex), has_index, "index"),

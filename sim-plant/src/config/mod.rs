@@ -15,7 +15,7 @@ use serde::Deserialize;
 
 use crate::chatter::ChatterMode;
 
-pub(crate) use axis::{AxisTrain, Facts, ReferenceFault};
+pub(crate) use axis::{AxisTrain, Facts, ReferenceFault, SwitchWay};
 pub(crate) use spindle::SpindleTrain;
 
 /// What a plant that cannot be built has wrong.
