@@ -19,7 +19,7 @@ use gcode::canon::Units;
 use gcode::files::ToolTable;
 use gcode::{Diagnostic, Dialect, Options, Outlasting, Program};
 use machine::{Machine, ProgramDialect};
-use protocol::{Code, Item, PerAxis, Position};
+use protocol::{Code, Item, PerAxis, Position, SpindleMode, SpindleSpeed};
 
 use crate::options::{OpenError, asked, named};
 use crate::{Interpreter, Language};
@@ -29,6 +29,17 @@ const MOST_ITEMS: usize = 4096;
 
 /// What a text is blamed for that does not end a program: none of these does.
 const NO_END: &str = "no-program-end";
+
+/// Why what a block does depends on where the axes are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// It moves, or sets something to where they stand.
+    Places,
+    /// It reads where they stand.
+    Reads,
+    /// The spindle turns by where X is (G96), from now on.
+    Surface,
+}
 
 /// Who reads them.
 pub struct ByHand {
@@ -71,12 +82,19 @@ impl ByHand {
         items.map(|items| items.into_iter().map(|item| Item { line, ..item }).collect())
     }
 
-    /// Whether the last block moves nothing and does the same wherever the axes are: it sets no offset to
-    /// where they stand. `items` are those that it is.
-    pub fn is_anywhere(&mut self, text: &str, at: &PerAxis<Position>, items: &[Item]) -> bool {
+    /// Why what the last block does depends on where the axes are; `None` if it moves nothing and does the
+    /// same wherever they are. `items` are those that it is.
+    pub fn needs(&mut self, text: &str, at: &PerAxis<Position>, items: &[Item]) -> Option<Needs> {
         let moves = |item: &Item| item.is_move() || matches!(item.code, Code::Pass(_) | Code::Work(_));
+        let by_x = |item: &Item| match item.code {
+            Code::Spindle { mode, speed: SpindleSpeed::Surface { .. } } => mode != SpindleMode::Stop,
+            _ => false,
+        };
         if items.iter().any(moves) {
-            return false;
+            return Some(Needs::Places);
+        }
+        if self.interpreter.program.has_read_place() {
+            return Some(Needs::Reads);
         }
         let left = |hand: &ByHand| (hand.outlasting(), hand.tools().clone(), hand.origin());
         let here = left(self);
@@ -89,7 +107,8 @@ impl ByHand {
         let again = self.block(text, at);
         assert!(again.is_ok(), "it was right before");
         // The first item says where it begins.
-        there.is_ok_and(|(others, there)| others[1..] == items[1..] && there == here)
+        let same = there.is_ok_and(|(others, there)| others[1..] == items[1..] && there == here);
+        if same { items.iter().any(by_x).then_some(Needs::Surface) } else { Some(Needs::Places) }
     }
 
     /// The last block is not to be made after all.
@@ -198,5 +217,50 @@ impl Interpreter {
             errors.push(self.program.diagnose(place, *problem));
         }
         if errors.is_empty() { Ok(items) } else { Err(errors) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ByHand, Language, Machine, Needs, ProgramDialect};
+
+    /// What a block needs behind another one.
+    fn needs(dialect: ProgramDialect, before: &str, text: &str) -> Option<Needs> {
+        let machine = Machine::default();
+        let language = Language { dialect: Some(dialect), ..Language::default() };
+        let mut hand = ByHand::new(&language, &machine).expect("nothing is beside it");
+        let at = machine.home();
+        hand.block(before, &at).expect("it is right");
+        let items = hand.block(text, &at).unwrap_or_else(|errors| panic!("{text}: {errors:?}"));
+        let needs = hand.needs(text, &at, &items);
+        assert_eq!(hand.blocks(), 2, "{text} stays given");
+        needs
+    }
+
+    #[test]
+    fn what_a_block_does_depends_on_where_the_axes_are_if_it_moves_reads_or_turns_by_them() {
+        use ProgramDialect::{Fanuc, Linuxcnc};
+        for (dialect, before, text, expected) in [
+            (Linuxcnc, "G97 S300 M3", "M8", None),
+            (Linuxcnc, "G97 S300 M3", "#1=[#5401+2]", None),
+            (Linuxcnc, "#1=20", "#2=#1", None),
+            (Linuxcnc, "M5", "G96 S150", None),
+            (Linuxcnc, "G96 S150", "M5", None),
+            (Linuxcnc, "M5", "G0 X20", Some(Needs::Places)),
+            (Linuxcnc, "M5", "G92 X20", Some(Needs::Places)),
+            (Linuxcnc, "G97 S300 M3", "G96 S150 G92 X20", Some(Needs::Places)),
+            (Linuxcnc, "M5", "#1=[2*#5422]", Some(Needs::Reads)),
+            (Linuxcnc, "M5", "#<a>=#<_abs_z>", Some(Needs::Reads)),
+            (Linuxcnc, "M5", "#1=#<_x>", Some(Needs::Reads)),
+            (Linuxcnc, "M5", "(debug, X is at #5021)", Some(Needs::Reads)),
+            (Linuxcnc, "#1=#5420", "#2=#1", None),
+            (Linuxcnc, "G97 S300 M3", "G96 S150", Some(Needs::Surface)),
+            (Linuxcnc, "G96 S150", "M3", Some(Needs::Surface)),
+            (Fanuc, "M5", "#100=#5041", Some(Needs::Reads)),
+            (Fanuc, "M5", "#100=#5081", None),
+            (Fanuc, "G50 S2000", "G96 S150 M3", Some(Needs::Surface)),
+        ] {
+            assert_eq!(needs(dialect, before, text), expected, "{before:?}, then {text:?}");
+        }
     }
 }

@@ -72,7 +72,7 @@ use machine::{Machine, Part};
 use protocol::Item;
 use route::Unworkable;
 
-pub use by_hand::ByHand;
+pub use by_hand::{ByHand, Needs};
 use check::diameters_mm;
 pub use check::{Check, check, check_interpreter, check_job, check_program, check_while, time_s, with_times};
 pub use entry::{Begun, Entry, NoEntry};

@@ -246,9 +246,7 @@ impl Hand {
             self.reader.forget_last();
             return Err(format!("{why}: run it as a program").into());
         }
-        if let Some(why) = self.lost.why()
-            && !self.reader.is_anywhere(text, at, &items)
-        {
+        if let Some(why) = self.lost.refuses(|| self.reader.needs(text, at, &items)) {
             self.reader.forget_last();
             return Err(NotGiven::NotReferenced(why));
         }

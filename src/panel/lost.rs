@@ -1,6 +1,7 @@
 //! Axes whose reference run is still to be made: nobody knows where they are. In: what a control cycle shows.
 //! Out: why something is not asked of them; how far, and how fast, a jog of one goes, mm and mm/min.
 
+use interpreter::Needs;
 use machine::{AxisConfig, General, Method};
 use protocol::{Axis, Position};
 use rig::observe::Record;
@@ -33,6 +34,19 @@ impl Lost {
             let (names, is) = (names.join(" and "), if names.len() > 1 { "are" } else { "is" });
             format!("{names} {is} not referenced, and only jogs: press Home of it first")
         })
+    }
+
+    /// Why a block is not given, if there are such axes and it `needs` to know where they are.
+    pub(super) fn refuses(&self, needs: impl FnOnce() -> Option<Needs>) -> Option<String> {
+        let why = self.why()?;
+        match needs()? {
+            Needs::Places => Some(why),
+            Needs::Reads => Some(format!("this reads where the axes are, and nobody knows that: {why}")),
+            Needs::Surface => self.has(Axis::X).then(|| {
+                let why = "G96 turns the spindle by where X is, and nobody knows that";
+                format!("{why}: press Home of X first, or give its speed in 1/min, as G97 S300")
+            }),
+        }
     }
 
     /// To where one of them jogs at most, and how fast; nothing of any other axis. Nobody knows where its

@@ -124,6 +124,9 @@ fn system(index: u32, state: &State) -> Option<f64> {
         2 => Some(place[Z]),
         _ => None,
     };
+    if matches!(index, 5001..=5006 | 5021..=5026 | 5041..=5046) {
+        state.told_place.set(true);
+    }
     match index {
         4109 => Some(state.modes.feed),
         4119 => Some(state.spindle.speed),

@@ -17,6 +17,7 @@ impl Program {
         let source = Source::from_text(name, text.into(), options.limits.line_length);
         self.reader = Reader::new(files(source, None, options), options);
         self.state.progress.ended = false;
+        self.state.told_place.set(false);
         self.state.axes.position = at;
         self.state.axes.moved();
         if self.stage == Stage::Ended {
@@ -25,6 +26,11 @@ impl Program {
         self.stay = Stay::default();
         // Its lines are counted from 1 again: what was said of others says nothing of them.
         self.findings = Findings::default();
+    }
+
+    /// Whether it has read, since then, a parameter that tells where the axes are: #5420, #<_x> and the like.
+    pub fn has_read_place(&self) -> bool {
+        self.state.told_place.get()
     }
 
     /// What is in force, as words of RS274/NGC: motion, plane, units, positions, feed, diameters, coordinate

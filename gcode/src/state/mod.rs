@@ -37,6 +37,7 @@ pub(crate) use spline::{KnottedCurve, OpenCurve, Spline};
 pub(crate) use sticky::Sticky;
 pub(crate) use tap::{Rigid, depths};
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -141,6 +142,8 @@ pub(crate) struct State {
     pub(crate) contexts: Contexts,
     pub(crate) memory: Memory,
     pub(crate) progress: Progress,
+    /// A parameter was read that tells where the axes are.
+    pub(crate) told_place: Cell<bool>,
 }
 
 impl State {
@@ -191,6 +194,7 @@ impl State {
             contexts: Contexts::default(),
             memory,
             progress: Progress::default(),
+            told_place: Cell::default(),
         };
         state.set_parameter(SYSTEM, f64::from(system));
         let (offset, rotation) = state.origin_of(system);

@@ -94,7 +94,17 @@ fn before_its_reference_runs_a_machine_does_what_moves_nothing_and_jogs_up_to_it
             "{block}: {code}: {why}"
         );
     }
+    for block in ["#1=#5420", "#<a>=[2*#<_z>]", "#2=#5021", "(debug, X is at #5420)", "#3=#<_abs_x>"] {
+        let (code, why) = refused(&panel, "mdi", json!(block));
+        let says =
+            why.starts_with("this reads where the axes are, and nobody knows that: X and Z are not ref");
+        assert!(code == "not-referenced" && says, "{block}: {code}: {why}");
+    }
+    let by_x = "G96 turns the spindle by where X is, and nobody knows that: press Home of X first, or give";
+    let (code, why) = refused(&panel, "mdi", json!("G96 S150 M3"));
+    assert!(code == "not-referenced" && why.starts_with(by_x), "{code}: {why}");
     assert_eq!(panel.state()["by_hand"]["in_force"], state["by_hand"]["in_force"], "nothing of them is left");
+    does(&panel, "mdi", "#1=20");
     // Each press goes some way, and the last of them ends at the switch.
     let towards = json!({ "axis": "X", "mm_min": 1200, "way": "+" });
     let at_the_switch = || {
@@ -110,8 +120,12 @@ fn before_its_reference_runs_a_machine_does_what_moves_nothing_and_jogs_up_to_it
     does(&panel, "jog", json!({ "axis": "X", "mm_min": 600, "way": "-" }));
     assert!(stands(&panel)[0] < x);
     does(&panel, "home", "X");
+    does(&panel, "mdi", "G96 S150 M3");
+    assert_eq!(refused(&panel, "mdi", json!("#1=#5420")).0, "not-referenced", "Z is still lost");
+    does(&panel, "mdi", "M5");
     does(&panel, "home", "Z");
-    does(&panel, "mdi", "G0 X20");
+    does(&panel, "mdi", "#2=#5420");
+    does(&panel, "mdi", "G0 X#1");
     let summary = ended(&place, panel);
     assert_eq!((summary.outcome, summary.references.len()), (Outcome::Stopped, 2));
     is_repeated(&place, "session", &summary);

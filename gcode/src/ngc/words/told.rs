@@ -11,6 +11,9 @@ use crate::state::State;
 pub(crate) fn numbered(index: u32, state: &State) -> Option<f64> {
     let tool = &state.tools.table.in_spindle;
     let axis = |first: u32| (index - first) as usize;
+    if matches!(index, 5021..=5026 | 5420..=5425) {
+        state.told_place.set(true);
+    }
     Some(match index {
         5021..=5026 => state.axes.machine_point()[axis(5021)],
         5081..=5086 => state.axes.tool_offset()[axis(5081)],
@@ -36,9 +39,11 @@ pub(crate) fn is_read_only(index: u32, state: &State) -> bool {
 pub(crate) fn named(name: &str, state: &State) -> Option<f64> {
     let is = |condition: bool| Some(f64::from(condition));
     if let Some(axis) = name.strip_prefix("_abs_").and_then(axis) {
+        state.told_place.set(true);
         return state.axes.absolute(&state.center()).get(axis).copied();
     }
     if let Some(axis) = name.strip_prefix('_').and_then(axis) {
+        state.told_place.set(true);
         return Some(state.center().get(axis).copied().unwrap_or(0.0));
     }
     match name {
