@@ -26,8 +26,10 @@ pub(super) fn table(summary: &Summary) -> Option<Table> {
         Column { name: "Run", unit: "s", cell: |one| format!("{:.3}", one.time_s) },
         Column { name: "Known at", unit: "s", cell: |one| format!("{:.3}", one.at_s) },
     ];
-    let caption = "Shift is what was added to the position that the axis believed in before; of a rotary axis degrees \
-                   stand for mm.";
+    let caption = "Position is where switch or index are by the machine file, of an index alone that of the turn \
+                   that was found. Shift is what was added to the position that the axis believed in before. Run is \
+                   how long the run took until the position was known, with its holds; Known at is that moment, from \
+                   the first control cycle. Of a rotary axis degrees stand for mm.";
     Some(Table::of("Reference runs", &columns, &found).with_caption(caption.to_owned()))
 }
 

@@ -18,12 +18,12 @@ pub struct ReferenceReport {
     pub shift_mm: f64,
     /// Control cycle in which it was true first.
     pub cycle: u64,
-    /// So many control cycles the run had taken then.
+    /// So many control cycles the run had taken then, its holds counted.
     pub cycles: u64,
 }
 
 impl ReferenceReport {
-    /// For people: `X by switch and index at 110.000 mm: shift -0.737 mm, after 4.2 s`.
+    /// For people: `X by switch and index at 110.000 mm: position shifted by -0.7370 mm, in 4.2 s`.
     pub fn told(&self, cycle_s: f64) -> String {
         let ReferenceReport { axis, position_mm, shift_mm, cycles, .. } = self;
         let (unit, by) = (if axis.is_rotary() { "°" } else { "mm" }, self.method.in_words());
