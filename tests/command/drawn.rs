@@ -200,6 +200,35 @@ fn the_taps_of_a_mill_are_judged_hole_by_hole() {
     }
 }
 
+/// A block has ends as a bar has: what is in it of a tapped hole is judged as without it, at any depth; of a
+/// hole through it that is all of the block.
+#[test]
+fn the_taps_of_a_block_are_judged_as_those_of_a_plate_that_nobody_described() {
+    let place = Place::new();
+    let mill = path("machines/small-mill.toml").display().to_string();
+    let program = text("mill/tap-m6.ngc");
+    let gauge = |block_mm: Option<f64>, tap: &str| -> Value {
+        let part = block_mm.map_or(String::new(), |mm| format!("(part, block X0 Y0 Z{mm} X40 Y40 Z0)\n"));
+        place.write("block.ngc", format!("{part}{}", program.replace("G33.1 Z-14 K1", tap)));
+        let answer = run_on(&place, "block.ngc", &mill);
+        assert_eq!(answer.status, Some(0), "{tap} in {part}: {}", answer.stderr);
+        let summary = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
+        serde_json::from_str::<Value>(&summary).expect("a document")["gauge"].clone()
+    };
+    let length = |gauge: &Value| gauge["length_mm"].as_f64().expect("a length");
+    for tap in ["G33.1 Z-14 K1", "G33.1 Z-12 K1", "G33.1 Z-10 K1", "G84 X10 Y20 Z-12 R5 F600"] {
+        let (plate, block) = (gauge(None, tap), gauge(Some(-20.0), tap));
+        assert_eq!((&plate["verdict"], &block["verdict"]), (&"good".into(), &"good".into()), "{block:#}");
+        for figure in ["pitch_diameter_max_mm", "virtual_pitch_diameter_mm"] {
+            let [plate, block] = [&plate, &block].map(|gauge| gauge[figure].as_f64().expect("a diameter"));
+            assert!((plate - block).abs() < 0.002, "{tap}, {figure}: {plate} {block}");
+        }
+        assert!(length(&block) <= length(&plate), "{tap}: {plate:#} {block:#}");
+    }
+    let through = gauge(Some(-8.0), "G33.1 Z-14 K1");
+    assert!(through["verdict"] == "good" && (length(&through) - 8.0).abs() < 1.01, "{through:#}");
+}
+
 /// `docs/gauge.md` shows what is said of the example.
 #[test]
 fn the_page_shows_what_is_said_of_a_groove() {

@@ -196,8 +196,11 @@ impl Part {
         Ok(Part { block: Some(Corners::of(from, to)?), rows: Vec::new(), inner_mm: 0.0, chuck_mm: None })
     }
 
-    /// Where the stock ends and begins along Z.
+    /// Where the stock ends and begins along Z, of a block as of what turns.
     pub fn ends_mm(&self) -> [f64; 2] {
+        if let Some(Corners { low_mm: [.., low], high_mm: [.., high] }) = self.block {
+            return [low, high];
+        }
         let end = |row: Option<&[f64; 2]>| row.map_or(0.0, |[z, _]| *z);
         [end(self.rows.first()), end(self.rows.last())]
     }
