@@ -8,6 +8,8 @@
 //! warnings do not know of, and none that they invent. A cut that begins in front of a tube is of its outside
 //! or of its bore: both readings are kept until a move makes sense in one of them alone.
 
+use std::collections::BTreeMap;
+
 use gcode::Problem;
 use gcode::problem::{Blame, short};
 use machine::{Machine, Part};
@@ -256,7 +258,7 @@ impl Stock {
 }
 
 /// As a drill goes.
-fn along_the_axis(from: Point, to: Point) -> bool {
+pub(crate) fn along_the_axis(from: Point, to: Point) -> bool {
     from.x.abs() < SKIN_MM && to.x.abs() < SKIN_MM
 }
 
@@ -266,10 +268,10 @@ pub(crate) fn point(axes: &PerAxis<Position>, origin: Point) -> Point {
     Point { x: at(Axis::X) - origin.x, z: at(Axis::Z) - origin.z }
 }
 
-/// The radius of a drill, mm; 0 if the tool has no width.
-pub(crate) fn drill_mm(machine: &Machine, tool: Option<u32>) -> f64 {
-    let tool = tool.and_then(|number| machine.tool(number));
-    0.5 * tool.and_then(|tool| tool.width_mm).unwrap_or(0.0)
+/// The radius of a drill, mm, by the tool table, else by the machine file; 0 if the tool has no width.
+pub(crate) fn drill_mm(machine: &Machine, tool: Option<u32>, diameters_mm: &BTreeMap<u32, f64>) -> f64 {
+    let width = tool.and_then(|number| machine.tool(number)?.width_mm);
+    0.5 * tool.and_then(|number| diameters_mm.get(&number).copied()).or(width).unwrap_or(0.0)
 }
 
 fn warning(code: &'static str, message: String, help: &str) -> Box<Problem> {

@@ -6,20 +6,20 @@ use serde_json::Value;
 use crate::shop::{Answer, Place, project};
 
 /// M20x2-6g by a sharp point of 60°: its root lies P/2 cot 30° = 1.732 mm below the pitch line, in diameter.
-const GOOD: &str = "G18 G21 G90 G7 G94 G97\nT3\nS600 M3\nG0 X22 Z8\n\
+pub(crate) const GOOD: &str = "G18 G21 G90 G7 G94 G97\nT3\nS600 M3\nG0 X22 Z8\n\
                     G76 P2 Z-22 I-2.18 J0.7 K2.969 R2 Q29.5 H2\nG0 X40\nG0 Z60\nM5\nM2\n";
 
 /// A machine whose tool has another angle than the thread asks for.
 const OTHER_ANGLE: &str = "\n[tools.3]\nname = \"55 degrees\"\nangle_deg = 55\n";
 
-fn run(place: &Place, program: &str, more: &[&str]) -> Answer {
+pub(crate) fn run(place: &Place, program: &str, more: &[&str]) -> Answer {
     place.clear("out");
     let mut args = vec!["run", program, "--in-process", "--trace", "none", "--out", "out"];
     args.extend(more);
     place.ask(&args)
 }
 
-fn summary(place: &Place) -> Value {
+pub(crate) fn summary(place: &Place) -> Value {
     let text = std::fs::read_to_string(place.at("out/summary.json")).expect("a summary");
     serde_json::from_str(&text).expect("a document")
 }

@@ -24,6 +24,7 @@ mod from_line;
 mod gauge;
 mod jobs;
 mod journal;
+mod known;
 mod memory;
 mod milled;
 mod offsets;

@@ -362,6 +362,13 @@ impl Translator {
         for (place, problem) in self.gauged.contradictions(self.modal.frame.units) {
             self.output.report(place, *problem);
         }
+        if self.machine.general.kinematics == Kinematics::Lathe {
+            let mut cut = self.gauged.named.iter().filter(|named| !named.passes.kinds.is_empty());
+            let unknown = cut.find_map(|named| self.drilled.crest_unknown(&named.nominal));
+            if let Some((place, problem)) = unknown {
+                self.output.report(place, *problem);
+            }
+        }
         for (place, problem) in self.threads.starts.beside(self.modal.frame.units) {
             self.output.report(place, *problem);
         }

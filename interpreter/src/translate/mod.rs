@@ -4,6 +4,7 @@
 //! Whoever knows a part of it decides; here each call is taken there, and what comes of it is sent.
 
 mod doubts;
+mod drilled;
 mod gauged;
 mod hand;
 mod insert;
@@ -36,6 +37,7 @@ use crate::thread::Next;
 use crate::threading::Threads;
 use crate::{MessageNote, arc};
 use doubts::Doubts;
+use drilled::Drilled;
 use gauged::Gauged;
 pub use gauged::GaugedThread;
 
@@ -60,6 +62,7 @@ pub(crate) struct Translator {
     /// Where zero of the program lies on the machine where a tool first cuts: X, Z.
     origins_mm: BTreeMap<u32, [f64; 2]>,
     gauged: Gauged,
+    drilled: Drilled,
 }
 
 impl Sink for Translator {
@@ -115,6 +118,7 @@ impl Translator {
             diameters_mm,
             origins_mm: BTreeMap::new(),
             gauged: Gauged::default(),
+            drilled: Drilled::default(),
         }
     }
 

@@ -78,6 +78,10 @@ impl Translator {
     pub(super) fn part_sees(&mut self, place: Place, to: &PerAxis<Position>, rapid: bool) {
         if !rapid {
             self.cuts_at(self.origin());
+            let origin = self.origin();
+            let line = [&self.points.axes_at_rest(), to].map(|axes| point(axes, origin));
+            let tool = self.auxiliary.tool();
+            self.drilled.goes(place, line, tool, drill_mm(&self.machine, tool, &self.diameters_mm));
         }
         if self.part.is_some() {
             self.part_sees_way(place, &[self.points.axes_at_rest(), *to], rapid);
@@ -100,7 +104,8 @@ impl Translator {
     }
 
     fn part_sees_way(&mut self, place: Place, way: &[PerAxis<Position>], rapid: bool) {
-        let (origin, drill) = (self.origin(), drill_mm(&self.machine, self.auxiliary.tool()));
+        let (origin, drill) =
+            (self.origin(), drill_mm(&self.machine, self.auxiliary.tool(), &self.diameters_mm));
         let goes = match (rapid, self.spindle.turns()) {
             (true, _) => Goes::Rapid,
             (false, true) => Goes::Cuts,

@@ -2,7 +2,7 @@
 
 use protocol::{Motion, Truth};
 
-use super::gauged::{GaugeAsked, GaugeReport, Gauged, GrooveAsked, Grooved};
+use super::gauged::{Drill, GaugeAsked, GaugeReport, Gauged, GrooveAsked, Grooved};
 use super::{Led, Observer, Summary};
 
 impl Observer {
@@ -36,9 +36,10 @@ impl Observer {
             return;
         }
         let Led { tool, motion } = self.setpoints.now();
-        let origin_mm = self.out.tools.get(&tool).and_then(|tool| tool.origin_mm);
+        let note = self.out.tools.get(&tool);
+        let (origin_mm, drill) = (note.and_then(|note| note.origin_mm), Drill::of(tool, note));
         for gauged in self.gauged.iter_mut().chain(self.rings.gauges()) {
-            gauged.turns(motion == Motion::Feed, origin_mm, truth);
+            gauged.turns(motion == Motion::Feed, origin_mm, drill, truth);
         }
     }
 }

@@ -58,6 +58,12 @@ pub struct ToolNote {
 }
 
 impl ToolNote {
+    /// The diameter of a drill or of an end mill, mm, if somebody said it: D of the tool table goes before
+    /// the machine file.
+    pub fn drill_mm(&self) -> Option<f64> {
+        self.diameter_mm.or(self.width_mm).filter(|mm| *mm > 0.0)
+    }
+
     fn of(machine: &Machine, number: u32) -> ToolNote {
         let tool = machine.tool(number).cloned().unwrap_or_default();
         let machine::Tool { name, angle_deg, nose_mm, width_mm } = tool;

@@ -83,7 +83,7 @@ fn cutters(summary: &Summary, points: &[Point], job: Option<JobTool>) -> Vec<Cut
     let job = job.filter(|_| used.len() == 1);
     let cutter = |number: u32| {
         let note = summary.tools.get(&number);
-        let noted = note.and_then(|note| note.diameter_mm.or(note.width_mm)).filter(|mm| *mm > 0.0);
+        let noted = note.and_then(rig::observe::ToolNote::drill_mm);
         let diameter = job.map(|tool| tool.diameter_mm).or(noted);
         let name = note.map(|note| note.name.clone()).unwrap_or_default();
         let radius_mm = 0.5 * diameter.unwrap_or(ASSUMED_MM);

@@ -18,7 +18,7 @@
 use std::collections::BTreeMap;
 
 use protocol::{Axis, Motion};
-use rig::observe::Summary;
+use rig::observe::{Summary, ToolNote};
 use rig::trace::Row;
 
 /// Places along Z, and how far the tip moves from one point that is looked at to the next.
@@ -69,7 +69,11 @@ impl Swept {
         let at = [z.slide - z_origin, x.slide - x_origin];
         match row.led.motion {
             _ if in_pass => self.end(None),
-            Motion::Feed => self.feed(at, tool.and_then(|tool| tool.width_mm).unwrap_or(0.0)),
+            Motion::Feed => {
+                let on_axis = at[1].abs() < LEAST_MM;
+                let width = |tool: &ToolNote| if on_axis { tool.drill_mm() } else { tool.width_mm };
+                self.feed(at, tool.and_then(width).unwrap_or(0.0));
+            }
             Motion::Rapid => self.leave(at),
             Motion::None => {}
         }

@@ -39,6 +39,7 @@ pub use report::{GaugeLimits, GaugeReport};
 use tapped::{Tap, holes};
 use turned::Turned;
 
+pub(super) use turned::Drill;
 use super::{planned::Planned, verdict::PartVerdict};
 
 /// Places of the tip that are kept at most; a place takes 24 bytes.
@@ -202,16 +203,22 @@ impl Gauged {
         }
     }
 
-    /// Takes a control cycle: whether the axes are moved at a feed, and where zero of the program lies for
-    /// the tool, if that is known.
-    pub(super) fn turns(&mut self, at_a_feed: bool, origin_mm: Option<[f64; 2]>, truth: &Truth) {
+    /// Takes a control cycle: whether the axes are moved at a feed, where zero of the program lies for the
+    /// tool, if that is known, and what hole it drills.
+    pub(super) fn turns(
+        &mut self,
+        at_a_feed: bool,
+        origin_mm: Option<[f64; 2]>,
+        drill: Drill,
+        truth: &Truth,
+    ) {
         if self.hole_mm.is_some() {
             return;
         }
         let first = || self.asked.origins_mm.values().next().copied();
         let [x, z] = origin_mm.or(self.in_place_mm).or_else(first).unwrap_or_default();
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
-        self.turned.cycle(at_a_feed.then(|| [slide(Axis::X) - x, slide(Axis::Z) - z]));
+        self.turned.cycle(at_a_feed.then(|| [slide(Axis::X) - x, slide(Axis::Z) - z]), drill);
     }
 
     /// What was gauged so far counts for a run that goes on, whose tools may be others: `now` is what that
@@ -340,7 +347,7 @@ impl Gauged {
         let mut report = GaugeReport::of(nominal, gauge::judge(nominal, &sections, self.full_mm, worst_mm));
         report.crest_mm = crest_mm.map(Vec::from).unwrap_or_default();
         if crest_mm.is_none() && nominal.crest_mm.iter().any(Option::is_some) {
-            report.notes.push(CREST.into());
+            report.notes.push(self.turned.unknown_drill().map_or(CREST.into(), turned::unknown));
         }
         report.notes.extend(nominal.left_out.iter().map(|note| String::from(*note)));
         let lead_mm = nominal.pitch_mm * f64::from(nominal.starts);

@@ -7,13 +7,52 @@
 //! A tip beyond the bottom of the grooves is in the bore of a screw or on the outside of a nut, which is no
 //! crest either; where it goes across, as a chamfer that begins below the grooves, no crest is left. Which
 //! way a tip goes is seen over [`WAY_MM`]: while it comes to rest it goes anywhere, by less than 1 µm.
+//!
+//! A tool that goes along the axis is a drill: its hole is as wide as the tool, from as far behind the tip as
+//! its point is long. How wide one is that nobody described is not known, nor is the crest that it leaves,
+//! unless it is bored afterwards.
 
 use gauge::{Nominal, Side};
+
+use crate::observe::ToolNote;
 
 const BINS: usize = 128;
 const WAY_MM: f64 = 0.01;
 /// Steeper than this, dX by dZ, a cut is no cylinder: chamfers of threads have 0.27 (15°) and more.
 const STEEPEST: f64 = 0.25;
+/// A tip is on the axis that is nearer to it, mm: slides stray by some µm.
+const ON_AXIS_MM: f64 = 0.06;
+/// Points of drills and of spot drills have 90° to 142°: the longest of them, of which nobody says more.
+const POINT_DEG: f64 = 90.0;
+
+/// The tool in the holder, as a drill.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::observe) struct Drill {
+    tool: u32,
+    /// Half of its width, and how long its point is, mm, if somebody said it.
+    shape_mm: Option<[f64; 2]>,
+}
+
+impl Drill {
+    /// Of a number, and what is known of that tool.
+    pub(in crate::observe) fn of(tool: u32, note: Option<&ToolNote>) -> Drill {
+        let half_deg = 0.5 * note.and_then(|note| note.angle_deg).unwrap_or(POINT_DEG);
+        let shape = |width_mm: f64| [0.5 * width_mm, 0.5 * width_mm / libm::tan(half_deg.to_radians())];
+        Drill { tool, shape_mm: note.and_then(ToolNote::drill_mm).map(shape) }
+    }
+}
+
+/// What reached deepest at a place.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    radius_mm: f64,
+    /// It went along the axis rather than across.
+    along: bool,
+    /// It was a drill.
+    drilled: bool,
+    /// The tool, of a hole of unknown width.
+    unknown: Option<u32>,
+}
 
 /// Collects what tools leave.
 #[derive(Clone, Debug)]
@@ -23,8 +62,8 @@ pub(super) struct Turned {
     pitch_line_mm: [f64; 3],
     /// Where the thread is at full depth, along Z.
     along_mm: [f64; 2],
-    /// Radius in each place, and whether it was cut along the axis; none where nothing was turned.
-    cuts: Vec<Option<(f64, bool)>>,
+    /// In each place; none where nothing was turned.
+    cuts: Vec<Option<Cut>>,
     /// Where the way that is looked at began.
     from: Option<[f64; 2]>,
     goes_along: bool,
@@ -42,8 +81,9 @@ impl Turned {
         Turned { side, pitch_line_mm, along_mm, cuts: vec![None; BINS], from: None, goes_along: false }
     }
 
-    /// Takes a control cycle: X from the axis and Z, if the tool is moved at a feed.
-    pub(super) fn cycle(&mut self, tip: Option<[f64; 2]>) {
+    /// Takes a control cycle: X from the axis and Z, if the tool is moved at a feed, and what it is on the
+    /// axis.
+    pub(super) fn cycle(&mut self, tip: Option<[f64; 2]>, drill: Drill) {
         let (Some([x0, z0]), Some([x, z])) = (self.from, tip) else {
             (self.from, self.goes_along) = (tip, false);
             return;
@@ -51,38 +91,81 @@ impl Turned {
         if libm::hypot(x - x0, z - z0) >= WAY_MM {
             (self.from, self.goes_along) = (tip, (x - x0).abs() <= STEEPEST * (z - z0).abs());
         }
-        let [low, high] = self.along_mm;
-        if !(low..=high).contains(&z) || low >= high {
-            return;
+        if self.side == Side::Internal && self.goes_along && x.abs() < ON_AXIS_MM {
+            return self.drills(z, drill);
         }
+        let Some(bin) = self.bin(z) else { return };
         let [middle, slope, reach] = self.pitch_line_mm;
         let beyond = x.abs() - (middle + slope * z);
         let is_other_wall = reach < if self.side == Side::External { -beyond } else { beyond };
         if is_other_wall && self.goes_along {
             return;
         }
-        let bin = ((z - low) / (high - low) * BINS as f64) as usize;
-        let Some(cut) = self.cuts.get_mut(bin) else { return };
-        let (x, side) = (x.abs(), self.side);
-        let deeper = |(radius, _): (f64, bool)| match side {
-            Side::External => x < radius,
-            Side::Internal => x > radius,
+        let cut = Cut { radius_mm: x.abs(), along: self.goes_along, drilled: false, unknown: None };
+        self.cuts_to(bin, cut);
+    }
+
+    /// The number of a place along the thread.
+    fn bin(&self, z: f64) -> Option<usize> {
+        let [low, high] = self.along_mm;
+        let bin = (z - low) / (high - low) * BINS as f64;
+        ((low..=high).contains(&z) && low < high && (bin as usize) < BINS).then_some(bin as usize)
+    }
+
+    /// A drill with its tip at Z: the point leaves a cone, which is no crest.
+    fn drills(&mut self, z: f64, Drill { tool, shape_mm }: Drill) {
+        let cone = Cut { radius_mm: 0.0, along: false, drilled: true, unknown: None };
+        let Some([radius_mm, point_mm]) = shape_mm else {
+            let Some(bin) = self.bin(z) else { return };
+            // Nobody drills what has been bored, but deeper down.
+            if self.cuts[bin].is_none_or(|before| before.drilled) {
+                self.cuts[bin] = Some(Cut { unknown: Some(tool), ..cone });
+            }
+            return;
         };
-        if cut.is_none_or(deeper) {
-            *cut = Some((x, self.goes_along));
+        self.bin(z).into_iter().for_each(|bin| self.cuts_to(bin, cone));
+        let wall = Cut { radius_mm, along: true, ..cone };
+        self.bin(z + point_mm).into_iter().for_each(|bin| self.cuts_to(bin, wall));
+    }
+
+    fn cuts_to(&mut self, bin: usize, cut: Cut) {
+        let deeper = |before: Cut| match self.side {
+            Side::External => cut.radius_mm < before.radius_mm,
+            Side::Internal if cut.drilled && before.unknown.is_some() => false,
+            Side::Internal => cut.radius_mm > before.radius_mm,
+        };
+        if self.cuts[bin].is_none_or(deeper) {
+            self.cuts[bin] = Some(cut);
         }
+    }
+
+    /// The tool that drilled a hole of unknown width, where that is what was left.
+    pub(super) fn unknown_drill(&self) -> Option<u32> {
+        self.cuts.iter().flatten().find_map(|cut| cut.unknown)
     }
 
     /// Least and largest diameter, mm; `None` if some of the length was not turned, or half of it is no
     /// crest.
     pub(super) fn diameters_mm(&self) -> Option<[f64; 2]> {
-        let cuts: Vec<(f64, bool)> = self.cuts.iter().copied().collect::<Option<_>>()?;
-        let crest = || cuts.iter().filter(|(_, along)| *along).map(|(radius, _)| *radius);
+        let cuts: Vec<Cut> = self.cuts.iter().copied().collect::<Option<_>>()?;
+        let crest = || cuts.iter().filter(|cut| cut.along).map(|cut| cut.radius_mm);
         if 2 * crest().count() < BINS {
             return None;
         }
         Some([2.0 * crest().reduce(f64::min)?, 2.0 * crest().reduce(f64::max)?])
     }
+}
+
+/// Why no crest is judged.
+pub(super) fn unknown(tool: u32) -> String {
+    let (which, call) = match tool {
+        0 => ("the tool that drilled the hole".into(), "call for it with T and M6, and "),
+        _ => (format!("tool {tool}, which drilled the hole,"), ""),
+    };
+    format!(
+        "the crest is not judged: nobody said how wide {which} is; {call}give D in the tool table (--tools FILE), or \
+         width_mm in [tools] of the machine file"
+    )
 }
 
 #[cfg(test)]
@@ -105,12 +188,40 @@ mod tests {
     fn turned(side: Side, ways: &[[[f64; 2]; 2]]) -> Turned {
         let nominal = gauge::Nominal { side, ..m20x2() };
         let mut turned = Turned::new(&nominal, [-20.0, -1.0]);
-        for [from, to] in ways {
-            let at = |step: i32| [0, 1].map(|i| from[i] + (to[i] - from[i]) * f64::from(step) / 2000.0);
-            (0..=2000).for_each(|step| turned.cycle(Some(at(step))));
-            turned.cycle(None);
-        }
+        ways.iter().for_each(|way| cuts(&mut turned, *way, Drill::of(1, None)));
         turned
+    }
+
+    fn cuts(turned: &mut Turned, [from, to]: [[f64; 2]; 2], drill: Drill) {
+        let at = |step: i32| [0, 1].map(|i| from[i] + (to[i] - from[i]) * f64::from(step) / 2000.0);
+        (0..=2000).for_each(|step| turned.cycle(Some(at(step)), drill));
+        turned.cycle(None, drill);
+    }
+
+    /// One drill behind another, some of them known; what is bored afterwards is known again.
+    #[test]
+    fn a_drill_leaves_a_hole_of_its_width_and_an_unknown_one_no_crest() {
+        let drill = |tool, width_mm, angle_deg| {
+            Drill::of(tool, Some(&ToolNote { width_mm, angle_deg, ..ToolNote::default() }))
+        };
+        let drilled = |drills: &[(Drill, f64)], bored_mm: Option<f64>| {
+            let mut turned = Turned::new(&gauge::Nominal { side: Side::Internal, ..m20x2() }, [-20.0, -1.0]);
+            drills.iter().for_each(|(drill, z)| cuts(&mut turned, [[0.005, 2.0], [0.004, *z]], *drill));
+            let bore = |x: f64| cuts(&mut turned, [[x, 1.0], [x, -25.0]], Drill::of(9, None));
+            bored_mm.into_iter().for_each(bore);
+            (turned.diameters_mm(), turned.unknown_drill())
+        };
+        let (wide, unknown) = (drill(1, Some(17.4), Some(118.0)), drill(2, None, None));
+        assert_eq!(drilled(&[(wide, -30.0)], None), (Some([17.4; 2]), None));
+        assert_eq!(drilled(&[(unknown, -30.0)], None), (None, Some(2)));
+        assert_eq!(drilled(&[(unknown, -30.0)], Some(8.7)), (Some([17.4; 2]), None), "bored");
+        assert_eq!(drilled(&[(wide, -30.0), (unknown, -30.0)], None), (None, Some(2)), "a reamer");
+        let much = drill(3, Some(24.0), None);
+        assert_eq!(drilled(&[(much, -35.0)], None), (Some([24.0; 2]), None), "beyond its grooves, too");
+        // A spot drill is wider, and leaves a cone; so does the point of a hole that is not deep enough.
+        assert_eq!(drilled(&[(drill(3, Some(25.0), None), -12.0), (wide, -30.0)], None).0, Some([17.4; 2]));
+        assert_eq!(drilled(&[(wide, -21.0)], None), (Some([17.4; 2]), None));
+        assert_eq!(drilled(&[(wide, -14.0)], None), (None, None), "not all of it");
     }
 
     #[test]
