@@ -3,7 +3,7 @@
 use protocol::{Motion, Truth};
 
 use super::gauged::{Drill, GaugeAsked, GaugeReport, Gauged, GrooveAsked, Grooved};
-use super::{Led, Observer, Summary};
+use super::{Led, Observer, Outcome, Summary};
 
 impl Observer {
     /// The same observer with one more gauge for a thread; after [`Observer::of_part`], if there is one.
@@ -23,9 +23,13 @@ impl Observer {
         self
     }
 
-    /// What they say: of several the worst stands for all.
+    /// What they say: of several the worst stands for all. A part that is not finished is none yet.
     pub(super) fn report_gauges(&mut self) {
         let said: Vec<_> = self.gauged.iter().map(Gauged::report).collect();
+        let said = match self.out.outcome {
+            Outcome::Completed => said,
+            _ => said.into_iter().map(GaugeReport::unfinished).collect(),
+        };
         self.out.gauge = GaugeReport::worst(said.iter().cloned());
         self.out.gauges = if said.len() > 1 { said } else { Vec::new() };
     }

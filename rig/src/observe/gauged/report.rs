@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::observe::verdict::PartVerdict;
 
+/// Why nothing is said of a part that is still being cut when its run ends.
+const UNFINISHED: &str = "the program was not executed to its end";
+
 /// What a gauge says of the thread of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -114,6 +117,11 @@ impl GaugeReport {
     /// Refused without a measure.
     pub(super) fn refused(nominal: &Nominal, why: String) -> GaugeReport {
         GaugeReport { verdict: PartVerdict::Bad, ..GaugeReport::none(nominal, why) }
+    }
+
+    /// The same of a part that was not finished: what was cut so far has no verdict.
+    pub(in crate::observe) fn unfinished(self) -> GaugeReport {
+        GaugeReport { verdict: PartVerdict::None, reasons: vec![UNFINISHED.into()], ..self }
     }
 
     /// With what was found; measures of nothing are left empty.
