@@ -20,6 +20,7 @@
 
 mod crossings;
 mod drawn;
+mod edge;
 mod length;
 mod report;
 mod tapped;
@@ -34,12 +35,13 @@ use protocol::{Axis, ThreadPass, Truth};
 use crossings::Crossings;
 pub(super) use drawn::Grooved;
 pub use drawn::{GrooveAsked, GrooveReport};
+use edge::edge_of;
 use length::{full_mm, judged_mm, longer_mm};
 pub use report::{GaugeLimits, GaugeReport};
 use tapped::{Tap, holes};
+pub(super) use turned::Drill;
 use turned::Turned;
 
-pub(super) use turned::Drill;
 use super::{planned::Planned, verdict::PartVerdict};
 
 /// Places of the tip that are kept at most; a place takes 24 bytes.
@@ -49,8 +51,6 @@ const STATIONS: usize = 72;
 const LEAST: usize = 16;
 /// Passes that are cut again after a hold, or that begin late, take more turns than planned: so much room.
 const SPARE: f64 = 1.25;
-/// Angles between flanks that are one, degrees.
-const SAME_DEG: f64 = 1e-6;
 /// What the gauge does not know.
 const CREST: &str = "the crest is not judged: the diameter before the thread was not turned by the program";
 /// A thread is judged that is longer than this share of a turn: its last groove ends within the turn.
@@ -98,6 +98,8 @@ pub(super) struct Gauged {
     other_side: bool,
     /// Where zero of the program lies for the tool in place before the program calls for one.
     in_place_mm: Option<[f64; 2]>,
+    /// What was taken for the edges of which nobody said it.
+    assumed: Vec<String>,
 }
 
 impl Gauged {
@@ -153,6 +155,7 @@ impl Gauged {
             far: None,
             other_side: false,
             in_place_mm: None,
+            assumed: Vec::new(),
             asked,
         };
         let (mut lengths_mm, mut tapped_mm) = (Vec::with_capacity(program.len()), None);
@@ -199,7 +202,12 @@ impl Gauged {
             }
             // An edge that turns with the spindle is no lathe tool.
             (None, false) if self.hole_mm.is_some() => None,
-            (None, false) => Some(edge_of(machine, planned.tool, nominal)),
+            (None, false) => {
+                let edge = edge_of(machine, planned.tool, nominal);
+                let assumed = edge::assumed(machine, planned.tool, edge.flank_deg);
+                self.assumed.extend(assumed.filter(|told| !self.assumed.contains(told)));
+                Some(edge)
+            }
         }
     }
 
@@ -349,6 +357,7 @@ impl Gauged {
         if crest_mm.is_none() && nominal.crest_mm.iter().any(Option::is_some) {
             report.notes.push(self.turned.unknown_drill().map_or(CREST.into(), turned::unknown));
         }
+        report.notes.extend(self.assumed.iter().cloned());
         report.notes.extend(nominal.left_out.iter().map(|note| String::from(*note)));
         let lead_mm = nominal.pitch_mm * f64::from(nominal.starts);
         match report.verdict {
@@ -375,20 +384,5 @@ fn other_side(nominal: &Nominal) -> String {
             format!("the thread is cut away from the axis, as in a bore, and {name} is a screw")
         }
         Side::Internal => format!("the thread is cut towards the axis, as on a shaft, and {name} is a nut"),
-    }
-}
-
-/// The edge of a tool: of an angle that is that of both flanks of the thread it has these, as for a buttress
-/// thread, else half of it to either side; a sharp point and the flanks of the thread where the machine file
-/// says nothing.
-fn edge_of(machine: &Machine, number: u32, nominal: &Nominal) -> Edge {
-    let tool = machine.tool(number);
-    let both_deg: f64 = nominal.flank_deg.iter().sum();
-    let other = tool.and_then(|tool| tool.angle_deg).filter(|deg| (deg - both_deg).abs() > SAME_DEG);
-    let flank_deg = other.map_or(nominal.flank_deg, |deg| [0.5 * deg; 2]);
-    let nose_mm = tool.and_then(|tool| tool.nose_mm).unwrap_or(0.0);
-    match tool.and_then(|tool| tool.width_mm) {
-        Some(width_mm) => Edge::of_width(flank_deg, width_mm, nose_mm),
-        None => Edge { flank_deg, flat_mm: 0.0, nose_mm },
     }
 }
