@@ -150,6 +150,18 @@ fn taps(text: &mut String, summary: &Summary) {
     );
 }
 
+/// Where the largest helix error is none of the helix: what the tool took from the flank on its way in or
+/// out.
+fn of_the_flank(summary: &Summary) -> &'static str {
+    let tools = summary.turned().map(|pass| pass.tool);
+    match tools.max_by(|a, b| a.helix_max_abs_um.total_cmp(&b.helix_max_abs_um)) {
+        Some(tool) if tool.flank_um == 0.0 || tool.flank_um < tool.helix_max_abs_um => "",
+        Some(tool) if tool.flank_in_um >= tool.flank_um => " (of the flank, in the run-in)",
+        Some(_) => " (of the flank, in the run-out)",
+        None => "",
+    }
+}
+
 fn threads(text: &mut String, summary: &Summary) {
     for last in summary.interrupted().take(SHOWN) {
         let words = match last.end {
@@ -165,11 +177,12 @@ fn threads(text: &mut String, summary: &Summary) {
     }
     let worst = |of: fn(&PassReport) -> f64| summary.turned().map(of).fold(0.0, f64::max);
     let [helix, passes, depth, ends] = summary.at_the_tool();
+    let flank = of_the_flank(summary);
     let _ = match summary.touched_turning().next() {
         None => writeln!(text, "thread    the tool touched no material: nothing of it is judged"),
         Some(_) => writeln!(
             text,
-            "thread    at the tool: helix error at most {helix:.2} µm about its mean, from pass to pass {passes:.2} µm, depth off by {depth:.2} µm, from end to end {ends:.2} µm"
+            "thread    at the tool: helix error at most {helix:.2} µm about its mean{flank}, from pass to pass {passes:.2} µm, depth off by {depth:.2} µm, from end to end {ends:.2} µm"
         ),
     };
     let _ = writeln!(
