@@ -70,7 +70,7 @@ fn every_command_of_the_first_hour_prints_what_the_page_shows() {
     symlink(project().join("examples"), place.at("examples")).expect("a link");
     let steps = steps(&page());
     let (built, run): (Vec<_>, Vec<_>) =
-        steps.into_iter().partition(|step| step.commands == "cargo install --path .\n");
+        steps.into_iter().partition(|step| step.commands == "cargo install --locked --path .\n");
     assert_eq!(built.len(), 1, "all but the build is run");
     assert!(run.len() > 8 && run.iter().filter(|step| step.shown.is_some()).count() > 6, "steps are missing");
     let mut entered = "";
