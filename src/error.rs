@@ -32,7 +32,7 @@ impl CliError {
 
     /// A file that cannot be read or written.
     pub(crate) fn file(path: &std::path::Path, error: impl std::fmt::Display) -> CliError {
-        CliError::Input(format!("{}: {error}", path.display()))
+        CliError::Input(format!("{}: {}", path.display(), intake::in_words(&error.to_string())))
     }
 }
 

@@ -27,6 +27,25 @@ pub const SUMMARY: u64 = 64 * MEBI;
 /// Most bytes of a program that is shown in a page.
 pub const SHOWN: u64 = 64 * MEBI;
 
+/// What a reader of TOML or JSON found, with kinds of values as their authors call them and not as Rust does.
+pub fn in_words(message: &str) -> String {
+    let kinds = [("f64", "a number")].into_iter().chain(
+        ["u8", "u16", "u32", "u64", "usize", "i8", "i16", "i32", "i64", "isize"]
+            .map(|kind| (kind, "a whole number")),
+    );
+    let mut text = message.to_owned();
+    for (kind, words) in kinds {
+        // Whole words alone: what is quoted from the file ends otherwise.
+        for end in ["\n", " at ", " for key "] {
+            text = text.replace(&format!("expected {kind}{end}"), &format!("expected {words}{end}"));
+        }
+        if let Some(rest) = text.strip_suffix(&format!("expected {kind}")) {
+            text = format!("{rest}expected {words}");
+        }
+    }
+    text
+}
+
 /// Opens a regular file.
 ///
 /// # Errors
@@ -226,6 +245,16 @@ fn create(path: &Path) -> Result<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn kinds_of_values_have_their_names_and_what_is_quoted_stays() {
+        let said = "1 | a = \"expected u64\"\ninvalid type: string \"expected u64\", expected u64\n";
+        let told =
+            "1 | a = \"expected u64\"\ninvalid type: string \"expected u64\", expected a whole number\n";
+        assert_eq!(in_words(said), told);
+        assert_eq!(in_words("expected f64"), "expected a number");
+        assert_eq!(in_words("expected f64 or f32 of u8"), "expected f64 or f32 of u8");
+    }
 
     #[test]
     fn a_file_is_replaced_as_a_whole_and_no_link_is_followed() {

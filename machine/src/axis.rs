@@ -180,6 +180,10 @@ impl AxisConfig {
         let key = |name: &str| key(axis, name);
         let [low, high] = self.travel_mm;
         range(&key("travel_mm[0]"), low, -1e5, 1e5)?;
+        if high <= low {
+            let reason = format!("must be above travel_mm[0] = {low}: the lower end comes first");
+            return Err(refuse(&key("travel_mm[1]"), high, &reason));
+        }
         range(&key("travel_mm[1]"), high, low + 1e-3, 1e5)?;
         range(&key("home_mm"), self.home_mm, low, high)?;
         for (name, value, high) in [

@@ -50,6 +50,10 @@ fn a_bad_machine_file_is_refused_with_the_key() {
     let cases = [
         ("velocity_mm_s = 150.0", "velosity_mm_s = 150.0", "in [axis.x]"),
         ("cycle_s = 0.0005", "cycle_s = \"fast\"", "in [machine]"),
+        ("cycle_s = 0.0005", "cycle_s = \"fast\"", "expected a number"),
+        ("encoder_lines = 2500", "encoder_lines = 2.5", "expected a whole number"),
+        ("cycle_s = 0.0005", "", "`pitchlock machine` prints a whole one"),
+        ("travel_mm = [-5.0, 120.0]", "travel_mm = [120.0, -5.0]", "the lower end comes first"),
         ("mass_kg = 1905.0", "mass_kg = -1.0", "axis.x.mass_kg"),
         ("mode_hz = 100.0", "mode_hz = -100.0", "plant.axis.x.mode_hz"),
         ("encoder_lines = 2500", "encoder_lines = 0", "spindle.encoder_lines"),

@@ -385,12 +385,15 @@ fn of_block(line: &Line) -> Statement {
 }
 
 fn misplaced(cursor: &mut Cursor) -> Box<Problem> {
-    let help = "N and O come first in their line";
+    let help = "N and O come first in their line; in a number write the digit 0";
     cursor.error_here("misplaced-line-number", "this cannot stand inside a block", help)
 }
 
 fn bad_character(cursor: &mut Cursor) -> Box<Problem> {
     let what = cursor.character().map_or("this byte".into(), |c| format!("{c:?}"));
-    let help = "a block is made of words such as G01 or X-2.5; put remarks in parentheses";
+    let help = match cursor.character() {
+        Some(',') => "a number has a decimal point: X20.5",
+        _ => "a block is made of words such as G01 or X-2.5; put remarks in parentheses",
+    };
     cursor.error_here("bad-character", format!("{what} cannot begin a word"), help)
 }

@@ -302,7 +302,7 @@ fn misplaced(letter: u8, cursor: &mut Cursor) -> Box<Problem> {
         let help = "a line number comes first in its line";
         return cursor.error_here("misplaced-line-number", "N inside a line", help);
     }
-    let help = "an O word comes first in its line; only N may stand before it";
+    let help = "an O word comes first in its line; only N may stand before it; in a number write the digit 0";
     cursor.error_here("misplaced-o-word", "O inside a line", help)
 }
 
@@ -341,6 +341,7 @@ fn bad_character(cursor: &mut Cursor) -> Box<Problem> {
         '%' => "a % stands alone on the first and the last line of a program",
         '/' => "a / that marks an optional line comes first in it",
         ')' => "a comment begins with (",
+        ',' => "a number has a decimal point: X20.5",
         '\u{feff}' => "save the file without a byte order mark",
         _ => "a block is made of words such as G1 or X-2.5; put remarks in parentheses or after ;",
     };
