@@ -38,7 +38,7 @@ hall.toml:
 Nobody presses anything from here: `pitchlock panel --at` does that. A machine that does not answer is shown with how long
 that is so.
 
-Exit status of --json, and without a terminal: 0 all have answered, 1 some have not, 2 the file or a key is wrong.";
+Exit status of --json, and without a terminal that can draw: 0 all have answered, 1 some have not, 2 the file or a key is wrong.";
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct HallArgs {
@@ -92,7 +92,10 @@ struct Hall {
 /// Whether this is HOST:PORT.
 fn is_address(text: &str) -> bool {
     let parts = text.rsplit_once(':');
-    parts.is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0))
+    let is_port = |port: &str| {
+        port.bytes().all(|digit| digit.is_ascii_digit()) && port.parse::<u16>().is_ok_and(|port| port > 0)
+    };
+    parts.is_some_and(|(host, port)| !host.is_empty() && is_port(port))
 }
 
 impl Hall {
@@ -101,7 +104,16 @@ impl Hall {
         let wrong = |error: &dyn std::fmt::Display| CliError::file(path, error);
         let text = intake::text(path, intake::SETTINGS).map_err(|error| wrong(&error))?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        Hall::of(&text, &name, path.parent().unwrap_or(Path::new(""))).map_err(|error| wrong(&error))
+        let hall =
+            Hall::of(&text, &name, path.parent().unwrap_or(Path::new(""))).map_err(|error| wrong(&error))?;
+        let missing = (1..).zip(&hall.machines).find(|(_, (_, watch))| !watch.key.exists());
+        missing.map_or(Ok(()), |(number, (name, watch))| {
+            let help =
+                "`pitchlock-link key FILE` makes one; here it is that which `pitchlock serve` has there";
+            let key = watch.key.display();
+            Err(wrong(&format!("machine {number}, {name:?}: there is no key {key}\nhelp: {help}")))
+        })?;
+        Ok(hall)
     }
 
     fn of(text: &str, name: &str, folder: &Path) -> Result<Hall, String> {
@@ -117,7 +129,7 @@ impl Hall {
         for (number, entry) in (1..).zip(entries) {
             let Entry { name, at, key: own } = entry;
             let place = format!("machine {number}, {name:?}");
-            if name.trim().is_empty() || name.chars().any(char::is_control) {
+            if name.trim().is_empty() || name.contains('\n') || shown(&name) != name {
                 return Err(format!("{place}: name\nhelp: a name is a line of text"));
             }
             if let Some(before) = machines.iter().position(|(before, _)| *before == name) {
@@ -168,14 +180,16 @@ impl Hall {
             folded = machines.split_off(most - 1);
         }
         let mut rows =
-            vec![["machine", "does", "program", "line", "passes", "time", "faults"].map(str::to_owned)];
+            vec![["machine", "does", "faults", "program", "line", "passes", "time"].map(str::to_owned)];
         rows.extend(machines.into_iter().map(|(name, watched)| row(name, watched)));
-        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+        let width = |column: usize| rows.iter().map(|row| terminal::width(&row[column])).max().unwrap_or(0);
         let widths: Vec<usize> = (0..7).map(width).collect();
         let silent = all.iter().filter(|watched| !answers(watched)).count();
         let mut lines = vec![format!("{}: {} machines, {silent} do not answer", line(&self.name), all.len())];
         lines.extend(rows.iter().map(|row| {
-            let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
+            let filled =
+                |(cell, width): (&String, &usize)| cell.clone() + &" ".repeat(width - terminal::width(cell));
+            let cells = row.iter().zip(&widths).map(filled);
             cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
         }));
         if !folded.is_empty() {
@@ -184,9 +198,13 @@ impl Hall {
             lines.push(format!("and {} more{with}", folded.len()));
         }
         let columns = room.map_or(usize::MAX, |(columns, _)| columns.into());
-        lines
-            .iter()
-            .fold(String::new(), |text, line| text + &line.chars().take(columns).collect::<String>() + "\n")
+        // What has no room is not left out unseen.
+        let cut = |line: &String| {
+            let (mut line, long) = (line.clone(), terminal::width(line) > columns);
+            while long && terminal::width(&line) >= columns && line.pop().is_some() {}
+            line + if long { "…" } else { "" }
+        };
+        lines.iter().map(cut).fold(String::new(), |text, line: String| text + &line + "\n")
     }
 }
 
@@ -244,7 +262,7 @@ fn row(name: &str, watched: &Watched) -> [String; 7] {
     let time = seen["time_s"].as_f64().map(|seconds| format!("{seconds:.1} s")).unwrap_or_default();
     let faults = seen["faults"].as_array().into_iter().flatten().filter_map(|fault| fault["code"].as_str());
     let faults = faults.collect::<Vec<_>>().join(", ");
-    [name.to_owned(), does, text("program"), number("line"), passes, time, faults].map(|cell| line(&cell))
+    [name.to_owned(), does, faults, text("program"), number("line"), passes, time].map(|cell| line(&cell))
 }
 
 /// Shows a hall.
@@ -253,7 +271,9 @@ pub(crate) fn hall(args: &HallArgs) -> Result<ExitCode, CliError> {
     let mut interrupts = Interrupts::catch()?;
     let machines: Vec<_> = hall.machines.iter().map(|(_, watch)| watch.clone()).collect();
     let mut link = hosts::hall(&machines)?;
-    let once = args.json || !std::io::stdout().is_terminal();
+    // A dumb terminal cannot draw again.
+    let dumb = std::env::var_os("TERM").is_none_or(|term| term == "dumb");
+    let once = args.json || dumb || !std::io::stdout().is_terminal();
     let deadline = Moment::in_s(LOOK_S);
     let mut all = vec![Watched::default(); machines.len()];
     loop {
@@ -341,7 +361,11 @@ mod tests {
         let lines: Vec<_> =
             text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
         assert_eq!(lines[0], "hall: 3 machines, 2 do not answer");
-        assert_eq!(lines[2], "one auto m20x2.ngc 12 3 of 9 6.2 s servo-error");
+        assert_eq!(lines[2], "one auto servo-error m20x2.ngc 12 3 of 9 6.2 s");
+        let narrow = hall.drawn(&all, Some((40, 24)));
+        assert!(
+            narrow.contains("servo-error") && narrow.lines().nth(2).is_some_and(|line| line.ends_with('…'))
+        );
         assert_eq!(lines[3], "two does not answer for 4 s; was off");
         assert_eq!(lines[4], "three is not shown: b:3 has another key");
         let document = hall.document(&all);

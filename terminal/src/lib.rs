@@ -18,5 +18,5 @@ pub use desk::{Act, Desk};
 pub use draw::draw;
 pub use jog::{Asks, BEAT, Jog, REPEATS, SILENT, Way};
 pub use keys::{Does, KEYS, Key};
-pub use screen::{Screen, size};
+pub use screen::{Screen, size, width};
 pub use secret::secret;

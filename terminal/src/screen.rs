@@ -41,6 +41,11 @@ pub fn size() -> Option<(u16, u16)> {
     (size.columns > 0 && size.rows > 0).then_some((size.columns, size.rows))
 }
 
+/// Columns that a text takes in a terminal: letters of some scripts take two.
+pub fn width(text: &str) -> usize {
+    ratatui::text::Line::raw(text).width()
+}
+
 impl Screen {
     /// Takes the terminal: other screen, no echo, keys one by one. A thread reads them, and ends with the
     /// process: where a terminal is gone, crossterm reads for ever, and nobody else may be held up by that.
