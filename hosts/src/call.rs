@@ -90,7 +90,11 @@ fn told(at: &str, role: Role, why: &InVain) -> LinkError {
 /// Calls once.
 fn once(at: &str, secret: &Secret, role: Role, most: Duration) -> Result<TcpStream, InVain> {
     let wrong = |error: std::io::Error| {
-        InVain::For(LinkError::Input(format!("{at}: {error}\nhelp: HOST:PORT, as in 10.0.0.2:7447")))
+        let help = match error.kind() {
+            ErrorKind::InvalidInput => "HOST:PORT, as in 10.0.0.2:7447",
+            _ => "no computer of this name is known here: give its address, as in 10.0.0.2:7447",
+        };
+        InVain::For(LinkError::Input(format!("{at}: {error}\nhelp: {help}")))
     };
     let all: Vec<SocketAddr> = at.to_socket_addrs().map_err(wrong)?.collect();
     let mut nobody = std::io::Error::from(ErrorKind::AddrNotAvailable);
@@ -100,10 +104,10 @@ fn once(at: &str, secret: &Secret, role: Role, most: Duration) -> Result<TcpStre
     });
     let mut stream = connected.ok_or(InVain::Nobody(nobody))?;
     let silent = |_| InVain::Silent;
-    stream.set_read_timeout(Some(GREETS.min(most))).map_err(silent)?;
+    let deadline = Moment::now().after(GREETS.min(most));
     stream.set_write_timeout(Some(GREETS)).map_err(silent)?;
     let mut greeting = [0; GREETING];
-    stream.read_exact(&mut greeting).map_err(silent)?;
+    all_of(&mut stream, &mut greeting, deadline).map_err(silent)?;
     let other = || {
         InVain::For(LinkError::Refused(format!(
             "who answers at {at} is not a pitchlock, or one of another version\nhelp: --at names the address at which \
@@ -114,7 +118,7 @@ fn once(at: &str, secret: &Secret, role: Role, most: Duration) -> Result<TcpStre
     let greeted = Greeted::by(&greeting, own.to_le_bytes()).ok_or_else(other)?;
     stream.write_all(&greeted.proof(role, secret)).map_err(silent)?;
     let mut verdict = [0; VERDICT];
-    stream.read_exact(&mut verdict).map_err(silent)?;
+    all_of(&mut stream, &mut verdict, deadline).map_err(silent)?;
     match greeted.verdict(&verdict, secret).ok_or_else(other)? {
         Verdict::Welcome => Ok(stream),
         Verdict::Full => Err(InVain::Full),
@@ -122,4 +126,21 @@ fn once(at: &str, secret: &Secret, role: Role, most: Duration) -> Result<TcpStre
             "{at} has another key\nhelp: copy the file that --key names there to this host"
         )))),
     }
+}
+
+/// Reads all of this in time, however slowly it comes.
+fn all_of(stream: &mut TcpStream, all: &mut [u8], deadline: Moment) -> std::io::Result<()> {
+    let mut have = 0;
+    while have < all.len() {
+        let left = deadline.since(Moment::now());
+        if left.is_zero() {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        stream.set_read_timeout(Some(left))?;
+        match stream.read(&mut all[have..])? {
+            0 => return Err(ErrorKind::UnexpectedEof.into()),
+            more => have += more,
+        }
+    }
+    Ok(())
 }

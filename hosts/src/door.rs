@@ -122,7 +122,8 @@ impl Door {
     fn greeted(&mut self, hello: Hello) -> Result<(), LinkError> {
         let (Some(of), Some(back)) = (of_hex(&hello.nonce), of_hex(&hello.back)) else { return Ok(()) };
         let difference = match &hello.wants {
-            Wants::Look => self.here.hall_difference(&hello.identity),
+            // Who asks how a run has ended moves nothing.
+            Wants::Look | Wants::Outcome(_) => self.here.hall_difference(&hello.identity),
             _ => self.here.difference(&hello.identity),
         };
         let (own, verdict) = match (difference, hello.wants) {

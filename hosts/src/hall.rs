@@ -108,7 +108,8 @@ fn looks(at: &str, key: Key, here: Identity, known: &Mutex<Known>) {
             Err(LinkError::Refused(text) | LinkError::Input(text)) => {
                 *known = Known(Watched { why: Some(text.clone()), ..Watched::default() }, Moment::now());
             }
-            Err(_) => {}
+            // Nobody is there any more who would refuse.
+            Err(_) => known.0.why = None,
         });
         if next.passed() {
             next = Moment::now();

@@ -1,10 +1,19 @@
 //! The link on host B, in the interpreter's place: it takes machine code off the wire, sends it to the
 //! interpolator, and the credit back. In: what comes through the door. Out: a run, told to `pitchlock serve`.
 
-use std::{fs, net::TcpListener, os::fd::AsFd as _, path::PathBuf, time::Duration};
+use std::{
+    fs,
+    net::TcpListener,
+    os::fd::AsFd as _,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use process::{
-    ipc::{Member, Patience, Process, channel, time::Moment},
+    ipc::{
+        Member, Patience, Process, channel,
+        time::{Moment, sleep_until},
+    },
     shell::{START_S, deliver},
 };
 use protocol::{CodePacket, Credit, Payload as _};
@@ -23,6 +32,8 @@ use crate::{
 
 /// How long nothing is looked at when nothing comes.
 pub(crate) const NAP: Duration = Duration::from_millis(100);
+/// So long a refusal may take to be on its way: who says it ends.
+const HEARD: Duration = Duration::from_millis(300);
 /// Why a launcher that is gone ends the link.
 pub(crate) const OFF: &str = "`pitchlock serve` there is gone, and the machine comes to rest";
 /// Events that are taken before anything else is looked at again.
@@ -80,9 +91,12 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
         }
     };
     let Asked { run, mut session, files, words, by_panel } = asked;
-    for (name, bytes) in files {
-        let path = args.into.join(name);
-        fs::write(&path, bytes).map_err(|error| LinkError::file(&path, error))?;
+    if let Err(error) = put(&args.into, files) {
+        // Nothing has moved, and the next one may be smaller.
+        session.voice.say(&Message::Refused(error.to_string()))?;
+        sleep_until(Moment::now().after(HEARD));
+        say(&Said::Note(error.to_string()));
+        return Ok(());
     }
     say(&if by_panel { Said::Panel { words } } else { Said::Run { run, words } });
     let carried = match by_panel {
@@ -97,6 +111,17 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
         say(&Said::Note(format!("refused at the gate: {} who have not the key", wire.refused())));
     }
     carried.unwrap_or_else(|error| leave(&error));
+    Ok(())
+}
+
+/// Puts the files of a run where its launcher finds them.
+fn put(into: &Path, files: Vec<(String, Vec<u8>)>) -> Result<(), LinkError> {
+    for (name, bytes) in files {
+        let wrong = |error| {
+            LinkError::file(Path::new(&name), format!("does not fit on the machine's computer: {error}"))
+        };
+        fs::write(into.join(&name), bytes).map_err(wrong)?;
+    }
     Ok(())
 }
 
@@ -181,6 +206,7 @@ fn carry(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<(), Link
                     any = true;
                 }
                 Some(Message::Press(what)) => say(&Said::Press(what)),
+                Some(Message::Computes) => say(&Said::Computes),
                 _ => {}
             }
         }

@@ -44,6 +44,8 @@ pub enum Message {
     Shut(u32),
     /// What was asked for has come to its end, upwards.
     Over,
+    /// The interpreter computes, downwards: nobody else would know.
+    Computes,
 }
 
 /// Whether a name is that of a file in a folder, and nothing else.
@@ -75,6 +77,7 @@ impl Message {
             Message::Took(number, count) => [&[13], &number.to_le_bytes()[..], &count.to_le_bytes()].concat(),
             Message::Shut(number) => with(14, &number.to_le_bytes()),
             Message::Over => vec![15],
+            Message::Computes => vec![16],
         }
     }
 
@@ -116,6 +119,7 @@ impl Message {
             }
             14 => number().map(Message::Shut),
             15 => empty(Message::Over),
+            16 => empty(Message::Computes),
             _ => None,
         }
     }
@@ -145,6 +149,7 @@ mod tests {
             Message::Took(3, 4),
             Message::Shut(5),
             Message::Over,
+            Message::Computes,
         ];
         for message in all {
             assert_eq!(Message::of(&message.bytes()).as_ref(), Some(&message));
@@ -154,7 +159,7 @@ mod tests {
     #[test]
     fn what_nobody_sends_is_no_message() {
         let file = |name: &str| Message::File(name.into(), vec![1]).bytes();
-        let short = [&[11, 1][..], &[12, 0, 0], &[13, 0, 0, 0, 0, 1], &[14], &[15, 0], &[16]];
+        let short = [&[11, 1][..], &[12, 0, 0], &[13, 0, 0, 0, 0, 1], &[14], &[15, 0], &[16, 0], &[17]];
         let all = [&[][..], &[0, 0], &[2, 1], &[3, 0], &[3, 3], &[4], &[4, 9, 0, b'a'], &[7, 0xff]];
         for bytes in all.into_iter().chain(short) {
             assert_eq!(Message::of(bytes), None, "{bytes:?}");

@@ -14,7 +14,7 @@ use crate::{
     message::Message,
     pipe::Pipe,
     session::Session,
-    talk::{Said, Told, leave, say},
+    talk::{Said, Told, beats, leave, say},
     upper::{AGAIN, CallArgs, Caller, PATIENT_S, send_files},
     wire::{Event, Wire},
 };
@@ -93,6 +93,7 @@ pub(crate) fn carry_down(wire: &Wire, door: &mut Door, session: &mut Session) ->
                     session.voice.say(&Message::Go)?;
                 }
                 Ok(Told::Refuse(text)) => return last_word(Message::Refused(text), wire, session),
+                Ok(Told::Lost(text)) => return Err(LinkError::Broken(text)),
                 Ok(Told::Over) => return last_word(Message::Over, wire, session),
                 Ok(Told::Seen(seen)) => door.sees(seen),
                 Ok(_) => {}
@@ -132,6 +133,7 @@ fn too_early(what: &dyn std::fmt::Display) -> LinkError {
 pub fn run(args: &CallArgs) -> Result<(), LinkError> {
     let mut caller = Caller::new(args)?;
     caller.wire.hear_the_parent()?;
+    beats()?;
     let (run, mut session) = caller.call(&Wants::Panel, PATIENT_S)?;
     session.voice.beat()?;
     say(&Said::Welcome { run });

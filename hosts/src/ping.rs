@@ -52,14 +52,28 @@ impl Row {
 pub fn run(args: &PingArgs) -> Result<(), LinkError> {
     let mut caller = Caller::new(&args.call)?;
     let (_, mut session) = caller.call(&Wants::Ping, 5.0)?;
-    let mut text =
-        String::from("| bytes | sent | median µs | 99 % µs | most µs | lost |\n|---|---|---|---|---|---|\n");
+    let mut text = String::new();
+    let measured = measure(args, &caller, &mut session, &mut text);
+    // What was measured until then is shown.
+    crate::talk::print(&text);
+    measured
+}
+
+/// Writes the table, row by row.
+fn measure(
+    args: &PingArgs,
+    caller: &Caller,
+    session: &mut crate::session::Session,
+    text: &mut String,
+) -> Result<(), LinkError> {
+    text.push_str("| bytes | sent | median µs | 99 % µs | most µs | lost |\n|---|---|---|---|---|---|\n");
     for bytes in [size_of::<Credit>(), 256, CodePacket::MOST_BYTES] {
         let mut row = Row { bytes, sent: args.count, times_us: Vec::new() };
         let (begun, mut next) = (Moment::now(), Moment::now());
         let mut sent = 0;
         let mut deadline = Moment::now().after(LAST);
         while (row.times_us.len() as u64) < args.count && !deadline.passed() {
+            session.lives()?;
             if sent < args.count && next.passed() {
                 let mut body = vec![0; bytes.max(8)];
                 body[..8].copy_from_slice(&(begun.elapsed().as_nanos() as u64).to_le_bytes());
@@ -71,9 +85,9 @@ pub fn run(args: &PingArgs) -> Result<(), LinkError> {
             if sent < args.count {
                 // It is woken by what comes, and else in time for the next one.
                 let left = next.since(Moment::now()).min(Duration::from_millis(1));
-                note(caller.wire.wait(left), &mut session, begun, &mut row)?;
+                note(caller.wire.wait(left), session, begun, &mut row)?;
             } else {
-                note(caller.wire.wait(Duration::from_millis(10)), &mut session, begun, &mut row)?;
+                note(caller.wire.wait(Duration::from_millis(10)), session, begun, &mut row)?;
             }
         }
         row.times_us.sort_by(f64::total_cmp);
@@ -89,7 +103,6 @@ pub fn run(args: &PingArgs) -> Result<(), LinkError> {
         );
         sleep_until(Moment::now().after(Duration::from_millis(20)));
     }
-    crate::talk::print(&text);
     Ok(())
 }
 
@@ -100,7 +113,14 @@ fn note(
     begun: Moment,
     row: &mut Row,
 ) -> Result<(), LinkError> {
-    let Some(Event::Frame(frame)) = event else { return Ok(()) };
+    let frame = match event {
+        Some(Event::Frame(frame)) => frame,
+        Some(Event::Gone) => {
+            session.is_cut();
+            return Ok(());
+        }
+        _ => return Ok(()),
+    };
     if let Some(Message::Pong(body)) = session.hear(&frame)?
         && let Some((stamp, _)) = body.split_first_chunk()
     {

@@ -8,7 +8,7 @@
 
 use std::{
     fs,
-    io::{Read as _, Write as _},
+    io::{ErrorKind, Read as _, Write as _},
     os::unix::fs::{MetadataExt as _, OpenOptionsExt as _},
     path::Path,
 };
@@ -63,6 +63,13 @@ impl Key {
                 path.display()
             ))
         })?;
+        // Whoever reads this has its own number.
+        let own = fs::metadata("/proc/self").map_or(found.uid(), |process| process.uid());
+        if ![own, 0].contains(&found.uid()) {
+            return Err(wrong(
+                &"belongs to somebody else, who can read and change it\nhelp: copy it, and chmod 600 the copy",
+            ));
+        }
         if found.mode() & 0o077 != 0 {
             return Err(wrong(&format!("others can read this key\nhelp: chmod 600 {}", path.display())));
         }
@@ -80,8 +87,18 @@ impl Key {
     pub fn make(path: &Path) -> Result<(), LinkError> {
         let key = blake3::Hash::from_bytes(random()?);
         let file = fs::OpenOptions::new().write(true).create_new(true).mode(0o600).open(path);
-        let written = file.and_then(|mut file| writeln!(file, "{}", key.to_hex()));
-        written.map_err(|error| LinkError::file(path, error))
+        let mut file = file.map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => LinkError::file(
+                path,
+                "is there already\nhelp: a key that is used is not overwritten; name another file",
+            ),
+            _ => LinkError::file(path, error),
+        })?;
+        writeln!(file, "{}", key.to_hex()).map_err(|error| {
+            // Half a key is none.
+            let _ = fs::remove_file(path);
+            LinkError::file(path, error)
+        })
     }
 
     /// What is proved at the gate.

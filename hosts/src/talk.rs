@@ -4,12 +4,18 @@
 use std::{
     io::{self, BufReader, Write as _},
     os::{fd::AsFd as _, unix::net::UnixStream},
-    sync::OnceLock,
+    sync::{Mutex, OnceLock, PoisonError},
+    time::Duration,
 };
 
 pub use process::link::{Said, Told};
 
+use process::ipc::time::{Moment, sleep_until};
+
 use crate::LinkError;
+
+/// How often whoever started this hears that it lives.
+const ALIVE: Duration = Duration::from_millis(500);
 
 /// The socket, if it is there.
 fn parent() -> Option<&'static UnixStream> {
@@ -27,9 +33,27 @@ pub fn hear() -> Result<BufReader<&'static UnixStream>, LinkError> {
 
 /// Says something. Nobody may listen any more, and that is no error.
 pub fn say(what: &Said) {
+    static WHOLE: Mutex<()> = Mutex::new(());
+    // One line after the other.
+    let _whole = WHOLE.lock().unwrap_or_else(PoisonError::into_inner);
     if let (Some(mut parent), Ok(line)) = (parent(), serde_json::to_string(what)) {
         let _ = parent.write_all(format!("{line}\n").as_bytes());
     }
+}
+
+/// Says again and again that this process lives: one that is stopped does not.
+///
+/// # Errors
+/// There is no thread for it.
+pub fn beats() -> Result<(), LinkError> {
+    let beat = || {
+        loop {
+            say(&Said::Beat);
+            sleep_until(Moment::now().after(ALIVE));
+        }
+    };
+    let thread = std::thread::Builder::new().name("alive".into()).spawn(beat);
+    thread.map(drop).map_err(|error| LinkError::broken("a thread", error))
 }
 
 /// Says why, and ends this process. Zenoh would wait ten seconds for what a cable that was pulled does not

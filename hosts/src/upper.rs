@@ -18,7 +18,7 @@ use crate::{
     proof::Role,
     seal::{self, Greeting, Key, Level},
     session::{Session, Voice},
-    talk::{Said, Told, leave, say},
+    talk::{Said, Told, beats, leave, say},
     wire::{Event, Wire},
 };
 
@@ -152,6 +152,7 @@ impl Caller {
 pub fn run(args: &CallArgs) -> Result<(), LinkError> {
     let mut caller = Caller::new(args)?;
     caller.wire.hear_the_parent()?;
+    beats()?;
     let (run, mut session) = caller.call(&Wants::Run, PATIENT_S)?;
     session.voice.beat()?;
     say(&Said::Welcome { run: run.clone() });
@@ -229,11 +230,11 @@ fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
                     Some(Message::Refused(text)) => return Err(LinkError::Input(text)),
                     _ => {}
                 },
-                Event::Line(line) => {
-                    if let Ok(Told::Press(what)) = serde_json::from_str(&line) {
-                        session.voice.say(&Message::Press(what))?;
-                    }
-                }
+                Event::Line(line) => match serde_json::from_str(&line) {
+                    Ok(Told::Press(what)) => session.voice.say(&Message::Press(what))?,
+                    Ok(Told::Computes) => session.voice.say(&Message::Computes)?,
+                    _ => {}
+                },
                 Event::Closed => return Err(LinkError::Broken("its launcher has ended the run".into())),
                 Event::Gone => session.is_cut(),
                 Event::Shut(_) => {}

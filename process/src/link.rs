@@ -45,6 +45,10 @@ pub enum Said {
     Look,
     /// What machines of a hall do, in the order in which they were named.
     Machines(Vec<Watched>),
+    /// The interpreter on the other computer computes.
+    Computes,
+    /// The process of the link lives.
+    Beat,
 }
 
 impl Said {
@@ -120,6 +124,10 @@ pub enum Told {
     Refuse(String),
     /// The panel has ended.
     Over,
+    /// It was lost, and why.
+    Lost(String),
+    /// The interpreter computes.
+    Computes,
     /// Somebody presses.
     Press(u8),
     /// What the machine does.

@@ -118,6 +118,12 @@ impl Started {
         self.link.as_mut().filter(|link| link.is_looked_at())
     }
 
+    /// What the interpreter behind a link has used of a processor, in ticks, and never more than that; `None`
+    /// of a process of this computer. Each time it said so it was more than one.
+    pub(crate) fn has_computed(&self) -> Option<u64> {
+        self.link.as_ref().map(|link| 2 * link.computed())
+    }
+
     /// Number of the process.
     pub(crate) fn pid(&self) -> u32 {
         self.child.id()

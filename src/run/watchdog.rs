@@ -184,7 +184,7 @@ fn living(started: &[Started]) -> impl Iterator<Item = u32> {
 
 fn used_by_interpreter(started: &[Started]) -> Option<u64> {
     let interpreter = started.iter().find(|one| one.host.holds(Process::Interpreter) && one.lives());
-    interpreter.and_then(|one| used(one.pid()))
+    interpreter.and_then(|one| one.has_computed().or_else(|| used(one.pid())))
 }
 
 #[cfg(test)]

@@ -94,10 +94,12 @@ fn an_address_that_cannot_be_had_is_said_with_the_remedy() {
     for (address, remedy) in [
         (place.address.as_str(), "`ss -ltnp` names it"),
         ("192.0.2.7:7447", "`ip address` lists those"),
+        ("224.0.0.1:7447", "`ip address` lists those"),
+        ("255.255.255.255:7447", "`ip address` lists those"),
         ("7447", "HOST:PORT"),
         ("127.0.0.1", "HOST:PORT"),
         ("127.0.0.1:70000", "HOST:PORT"),
-        ("nowhere.invalid:7447", "HOST:PORT"),
+        ("nowhere.invalid:7447", "no computer of this name is known here"),
     ] {
         let said = serves(&control(), &[], address);
         assert!(said.contains(&format!("--listen {address}: ")) && said.contains("help: "), "{said}");

@@ -4,6 +4,7 @@
 mod cables;
 mod gate;
 mod hall;
+mod halves;
 mod killed;
 mod licences;
 mod mutations;

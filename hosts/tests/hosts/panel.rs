@@ -305,3 +305,18 @@ fn what_is_not_for_the_machine_of_another_computer_is_refused_with_the_remedy() 
         assert!(output.status.code() == Some(2) && text.contains(what), "{arguments:?}: {text}");
     }
 }
+
+/// Who stands there hears why the machine is gone.
+#[test]
+fn a_launcher_of_a_panel_that_is_killed_there_is_told_here() {
+    let mut place = Place::new(None);
+    place.serve(&[]);
+    let mut panel = Panel::start(&place, &[]);
+    let launchers = place.processes(|words| words.contains(&"--there"));
+    assert_eq!(launchers.len(), 1, "the launcher of the panel");
+    signal(launchers[0], "KILL");
+    let output = ended(panel.launcher.take().expect("it runs"), 10.0);
+    let said = fs::read_to_string(place.at("panel.txt")).unwrap_or_default();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("the panel ended: signal: 9"), "{said}");
+}

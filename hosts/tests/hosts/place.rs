@@ -317,13 +317,18 @@ impl Place {
 
     /// Processes of the link that are this end of it.
     pub(crate) fn links_of(&self, end: &str) -> Vec<u32> {
+        self.processes(|words| words.get(1) == Some(&end) && words[0].contains("pitchlock-link"))
+    }
+
+    /// Processes of either host with such words.
+    pub(crate) fn processes(&self, such: impl Fn(&[&str]) -> bool) -> Vec<u32> {
         let place = self.folder.path().canonicalize().expect("a folder");
         let of = |entry: fs::DirEntry| {
             let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
             let line = fs::read_to_string(entry.path().join("cmdline")).ok()?;
             let words: Vec<_> = line.split('\0').collect();
             let ours = fs::read_link(entry.path().join("cwd")).ok()?.starts_with(&place);
-            (ours && words.get(1) == Some(&end) && words[0].contains("pitchlock-link")).then_some(pid)
+            (ours && such(&words)).then_some(pid)
         };
         fs::read_dir("/proc").expect("processes").flatten().filter_map(of).collect()
     }

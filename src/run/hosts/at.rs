@@ -1,16 +1,19 @@
 //! `pitchlock run --at`: the program is here, and the machine on another computer. In: what `run` is given.
 //! Out: what became of the run there. Here are the interpreter and the link, and between them a name space.
 
-use std::process::{ExitCode, Stdio};
+use std::{
+    process::{ExitCode, Stdio},
+    time::Duration,
+};
 
 use process::{
-    ipc::{Host, NameSpace, Process, time::Moment},
+    ipc::{Host, NameSpace, Process, child::used, time::Moment},
     link::{Said, Told},
 };
 use rig::observe::Summary;
 use serde_json::Value;
 
-use super::{Call, Link, NAP, command};
+use super::{Call, Link, command, compared};
 use crate::{
     error::CliError,
     run::{
@@ -25,6 +28,8 @@ use crate::{
 
 /// So long the interpreter may take until it has connected, s.
 const START_S: f64 = 20.0;
+/// How often it is looked whether the interpreter computes.
+const WORKS: Duration = Duration::from_millis(500);
 /// Those of a machine who live here.
 const HERE: [Process; 2] = [Process::Interpreter, Process::Interpolator];
 
@@ -54,10 +59,11 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     let mut interrupts = None;
     let Prepared { setup, keeps, json, .. } = Prepared::of(asked, quiet, &mut interrupts, false)?;
     let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
-    let mut command = command("upper", &asked.machine, key)?;
+    let mut command = command("upper", &compared(&asked.machine)?, key)?;
     command.arg("--at").arg(at);
     let link = Link::start(command, Stdio::null())?;
-    let mut far = Far { setup: &setup, link, interrupts: caught, wish: Wish::None, at, quiet, joined: false };
+    let (wish, worked) = (Wish::None, (Moment::now(), 0));
+    let mut far = Far { setup: &setup, link, interrupts: caught, wish, at, quiet, joined: false, worked };
     let program = setup.folder.program.file_name().unwrap_or_default().to_string_lossy();
     let ended = far.run(&asked_for(asked, &program, setup.seed));
     far.link.end();
@@ -102,6 +108,8 @@ struct Far<'a> {
     quiet: bool,
     /// The link has its place in the machine: what is pressed from here on arrives.
     joined: bool,
+    /// When the interpreter was looked at last, and what it had used of a processor then, ticks.
+    worked: (Moment, u64),
 }
 
 impl Far<'_> {
@@ -130,6 +138,7 @@ impl Far<'_> {
         space.start()?;
         let mut over = false;
         loop {
+            self.tells_of_work(&interpreter)?;
             if let Some(Said::Outcome(value)) = self.hears()? {
                 return Ok(value);
             }
@@ -143,19 +152,28 @@ impl Far<'_> {
         }
     }
 
+    /// An interpreter that computes has no deadline, and nobody there sees that it does.
+    fn tells_of_work(&mut self, interpreter: &Started) -> Result<(), CliError> {
+        let (asked, before) = self.worked;
+        if asked.elapsed() < WORKS {
+            return Ok(());
+        }
+        let now = used(interpreter.pid()).unwrap_or(before);
+        self.worked = (Moment::now(), now);
+        if now > before + 1 { self.link.heard.tell(&Told::Computes) } else { Ok(()) }
+    }
+
     /// What the link says next, if anything; and it hears what is pressed here.
     fn hears(&mut self) -> Result<Option<Said>, CliError> {
         self.looks_at_the_keyboard()?;
-        match self.link.heard.said.recv_timeout(NAP) {
-            Ok(Said::Refused(text)) => Err(CliError::Input(text)),
-            Ok(Said::Why(text)) => Err(self.lost(&text)),
-            Ok(Said::Note(text)) if !self.quiet => {
+        match self.link.heard.hears() {
+            Ok(Some(Said::Refused(text))) => Err(CliError::Input(text)),
+            Ok(Some(Said::Why(text))) | Err(text) => Err(self.lost(&text)),
+            Ok(Some(Said::Note(text))) if !self.quiet => {
                 words::say(&format!("{text}\n"));
                 Ok(None)
             }
-            Ok(said) => Ok(Some(said)),
-            Err(std::sync::mpsc::RecvTimeoutError::Timeout) => Ok(None),
-            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => Err(self.lost("its process has ended")),
+            Ok(said) => Ok(said),
         }
     }
 

@@ -17,11 +17,12 @@ use std::{
     },
     path::Path,
     process::{Child, Command, ExitCode, Stdio},
-    sync::mpsc::{Receiver, channel},
+    sync::mpsc::{Receiver, RecvTimeoutError, channel},
     time::Duration,
 };
 
 use process::{
+    ipc::time::Moment,
     link::{Said, Told, Watch},
     shell::Clock,
 };
@@ -39,6 +40,8 @@ pub(super) const LINK: &str = "pitchlock-link";
 /// How long nothing is looked at while the link says nothing.
 const NAP: Duration = Duration::from_millis(20);
 
+/// So long a link on the computer of whoever calls says nothing, which says twice a second that it lives.
+const DUMB: Duration = Duration::from_secs(5);
 /// So long a link may take for its last words.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
@@ -56,19 +59,27 @@ pub(crate) struct Heard {
     why: Option<String>,
     /// Somebody in a hall asks what the machine does.
     looked: bool,
+    /// How often the interpreter on the other computer said that it computes.
+    computed: u64,
+    /// When anything was heard.
+    last: Moment,
 }
 
 /// Who calls whom, and as what.
 type Call<'a> = (&'a str, &'a Path);
 
-/// The command that starts the link, as one end of it.
-fn command(end: &str, machine: &MachineArgs, key: &Path) -> Result<Command, CliError> {
+/// The command that starts the link, as one end of it, with this hash of the machine file.
+fn command(end: &str, machine: &str, key: &Path) -> Result<Command, CliError> {
     let mut command = bare(end)?;
-    let (_, text) = machine.read()?;
     command.arg("--key").arg(key);
     command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
-    command.arg("--machine").arg(rig::hash::hex_of_text(&text));
+    command.arg("--machine").arg(machine);
     Ok(command)
+}
+
+/// Hash of the machine file, by which both computers compare it.
+fn compared(machine: &MachineArgs) -> Result<String, CliError> {
+    machine.read().map(|(_, text)| rig::hash::hex_of_text(&text))
 }
 
 /// The same without what it needs to be let in.
@@ -76,8 +87,10 @@ fn bare(end: &str) -> Result<Command, CliError> {
     let wrong = |error: std::io::Error| CliError::Machine(error.to_string());
     let path = std::env::current_exe().map_err(wrong)?.with_file_name(LINK);
     if !path.exists() {
-        let text = "is not there: the link to another computer is a program of its own\nhelp: `cargo build --release \
-                    --manifest-path hosts/Cargo.toml --target-dir target` builds it; it lies beside pitchlock";
+        let text = "is not there: the link to another computer is a program of its own, which lies beside pitchlock\n\
+                    help: in the folder of the sources, `cargo install --locked --path hosts` for a pitchlock that was \
+                    installed, `cargo build --release --manifest-path hosts/Cargo.toml --target-dir target` for one \
+                    that was built there";
         return Err(CliError::file(&path, text));
     }
     let mut command = Command::new(path);
@@ -96,7 +109,7 @@ pub(crate) fn hall(machines: &[Watch]) -> Result<Link, CliError> {
 
 /// Measures the way to another computer and back, and prints a table.
 pub(crate) fn ping(machine: &MachineArgs, (at, key): (&str, &Path)) -> Result<ExitCode, CliError> {
-    let mut command = command("ping", machine, key)?;
+    let mut command = command("ping", &compared(machine)?, key)?;
     let status =
         command.arg("--at").arg(at).status().map_err(|error| CliError::Machine(error.to_string()))?;
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
@@ -122,12 +135,28 @@ impl Link {
             all.for_each(|said| drop(sender.send(said)));
         };
         std::thread::Builder::new().name("link".into()).spawn(hear).map_err(wrong)?;
-        Ok(Link { child, heard: Heard { said, ear, wish: Wish::None, why: None, looked: false } })
+        Ok(Link {
+            child,
+            heard: Heard {
+                said,
+                ear,
+                wish: Wish::None,
+                why: None,
+                looked: false,
+                computed: 0,
+                last: Moment::now(),
+            },
+        })
     }
 
     /// What it has said, if that comes soon.
     pub(crate) fn says(&self) -> Option<Said> {
         self.heard.said.recv_timeout(NAP).ok()
+    }
+
+    /// What is left of what it said: it has ended.
+    fn says_last(&self) -> Option<Said> {
+        self.heard.said.recv_timeout(LAST_WORDS).ok()
     }
 
     /// Whether it has ended, and nothing that it has said is left.
@@ -173,11 +202,35 @@ impl Heard {
                 Said::Press(_) => self.wish = self.wish.max(Wish::EmergencyStop),
                 Said::Note(text) => words::say(&format!("{text}\n")),
                 Said::Look => self.looked = true,
+                Said::Computes => self.computed += 1,
                 Said::Why(text) | Said::Refused(text) => self.why = Some(text),
                 _ => {}
             }
         }
         self.wish
+    }
+
+    /// How often the interpreter on the other computer has said that it computes.
+    pub(super) fn computed(&self) -> u64 {
+        self.computed
+    }
+
+    /// What is said next, if that comes soon.
+    ///
+    /// # Errors
+    /// Why nothing more will come.
+    fn hears(&mut self) -> Result<Option<Said>, String> {
+        match self.said.recv_timeout(NAP) {
+            Ok(said) => {
+                self.last = Moment::now();
+                Ok(Some(said).filter(|said| *said != Said::Beat))
+            }
+            Err(RecvTimeoutError::Timeout) if self.last.elapsed() < DUMB => Ok(None),
+            Err(RecvTimeoutError::Timeout) => {
+                Err(format!("{LINK} here does not answer any more: it is killed"))
+            }
+            Err(RecvTimeoutError::Disconnected) => Err("its process has ended".into()),
+        }
     }
 
     /// Whether somebody in a hall has asked what the machine does, and has not been answered.

@@ -5,7 +5,7 @@
 use std::{
     os::unix::net::UnixListener,
     process::{ExitCode, Stdio},
-    sync::{atomic::Ordering, mpsc::RecvTimeoutError},
+    sync::atomic::Ordering,
     time::Duration,
 };
 
@@ -15,9 +15,9 @@ use process::{
 };
 
 use super::{
-    Call, Link, NAP,
+    Call, Link,
     at::{HERE_ALONE, asked_for, refuses},
-    command,
+    command, compared,
     stand::SOCKET,
 };
 use crate::{
@@ -74,7 +74,7 @@ pub(crate) fn panel_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<
         Ok(listener)
     });
     let listener = listener.map_err(|error| CliError::file(&socket, error))?;
-    let mut command = command("panel", &asked.machine, key)?;
+    let mut command = command("panel", &compared(&asked.machine)?, key)?;
     command.arg("--at").arg(at);
     let link = Link::start(command, Stdio::null())?;
     let first =
@@ -110,20 +110,19 @@ struct Far<'a> {
 impl Far<'_> {
     fn stands(&mut self, json: bool) -> Result<(), CliError> {
         while self.looks_at_the_keyboard()? {
-            match self.link.heard.said.recv_timeout(NAP) {
-                Ok(Said::Welcome { .. }) => {
+            match self.link.heard.hears() {
+                Ok(Some(Said::Welcome { .. })) => {
                     self.tells.iter().try_for_each(|told| self.link.heard.tell(told))?;
                 }
-                Ok(Said::Started) => {
+                Ok(Some(Said::Started)) => {
                     self.begun = true;
                     self.server.says_where(json, self.quiet);
                 }
-                Ok(Said::Outcome(_)) => return Ok(()),
-                Ok(Said::Refused(text)) => return Err(CliError::Input(text)),
-                Ok(Said::Why(text)) => return Err(self.lost(&text)),
-                Ok(Said::Note(text)) if !self.quiet => words::say(&format!("{text}\n")),
-                Ok(_) | Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return Err(self.lost("its process has ended")),
+                Ok(Some(Said::Outcome(_))) => return Ok(()),
+                Ok(Some(Said::Refused(text))) => return Err(CliError::Input(text)),
+                Ok(Some(Said::Why(text))) | Err(text) => return Err(self.lost(&text)),
+                Ok(Some(Said::Note(text))) if !self.quiet => words::say(&format!("{text}\n")),
+                Ok(_) => {}
             }
             if self.server.is_due()
                 && let Ok((link, _)) = self.listener.accept()

@@ -3,7 +3,7 @@
 
 use std::{
     io::ErrorKind,
-    net::TcpListener,
+    net::{IpAddr, Ipv4Addr, TcpListener},
     os::fd::OwnedFd,
     path::{Path, PathBuf},
     process::{ExitCode, Stdio},
@@ -59,58 +59,76 @@ enum Wanted {
     Panel(Vec<String>),
 }
 
-/// The address at which the other computer calls, from here on until this process ends.
-fn listens(address: &str) -> Result<TcpListener, CliError> {
-    TcpListener::bind(address).map_err(|error| {
+/// The address at which the other computer calls, from here on until this process ends, and its name.
+fn listens(address: &str) -> Result<(TcpListener, String), CliError> {
+    let wrong = |error: std::io::Error| {
         let help = match error.kind() {
             ErrorKind::AddrInUse => {
-                "another program listens there: `ss -ltnp` names it; or take another port"
+                "another program listens there: `ss -ltnp` names it, or take another port; pitchlock-link of a `pitchlock \
+                 serve` that was killed goes when its machine has come to rest: wait for that"
             }
             ErrorKind::AddrNotAvailable => "it is not an address of this computer: `ip address` lists those",
             ErrorKind::PermissionDenied => {
                 "a port below 1024 is for an administrator: take another one, as 7447"
             }
-            _ => "HOST:PORT, an address of this computer, as in 10.0.0.2:7447",
+            ErrorKind::InvalidInput => "HOST:PORT, an address of this computer, as in 10.0.0.2:7447",
+            _ => "no computer of this name is known here: give an address of this one, as in 10.0.0.2:7447",
         };
         CliError::Input(format!("--listen {address}: {error}\nhelp: {help}"))
-    })
+    };
+    let listener = TcpListener::bind(address).map_err(wrong)?;
+    let here = listener.local_addr().map_err(wrong)?;
+    let all = here.ip() == IpAddr::V4(Ipv4Addr::BROADCAST) || here.ip().is_multicast();
+    // Nobody can call there.
+    if all { Err(wrong(ErrorKind::AddrNotAvailable.into())) } else { Ok((listener, here.to_string())) }
+}
+
+/// Refuses a run where the machine file is another one than that which whoever asked has compared.
+pub(super) fn is_as_compared(args: &ServeArgs, compared: &str) -> Result<(), CliError> {
+    if super::compared(&args.machine)? == compared {
+        return Ok(());
+    }
+    let what = "the machine file at the machine was changed while it waited for programs";
+    Err(CliError::Input(format!("{what}\nhelp: ask again; both need the same one")))
 }
 
 /// Waits for programs, and runs them.
 pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    let (machine, _) = args.machine.read()?;
-    let machine = machine.general.name;
-    let listener = listens(&args.listen)?;
+    args.machine.read()?;
+    let (listener, here) = listens(&args.listen)?;
     let mut interrupts = Some(Interrupts::catch()?);
     let kept = Temporary::new(FOLDER)?;
     let outcome = kept.path().join("outcome.json");
     let mut told = false;
     loop {
         let incoming = Temporary::new(FOLDER)?;
-        let mut command = command("lower", &args.machine, &args.key)?;
+        let (machine, text) = args.machine.read()?;
+        let (machine, compared) = (machine.general.name, rig::hash::hex_of_text(&text));
+        let mut command = command("lower", &compared, &args.key)?;
         command.arg("--into").arg(incoming.path());
         if outcome.exists() {
             command.arg("--outcome").arg(&outcome);
         }
         let address = listener.try_clone().map_err(|error| CliError::Machine(error.to_string()))?;
         let link = Link::start(command, Stdio::from(OwnedFd::from(address)))?;
-        let told = (!std::mem::replace(&mut told, true) && !quiet).then_some(&*args.listen);
-        let Some((link, wanted)) = asked_for(link, &machine, told, &mut interrupts)? else {
-            return Ok(ExitCode::SUCCESS);
+        let told = (!std::mem::replace(&mut told, true) && !quiet).then_some(&*here);
+        let (link, wanted) = match asked_for(link, &machine, told, &mut interrupts)? {
+            Came::Wanted(link, wanted) => (link, wanted),
+            Came::Lost => continue,
+            Came::Enough => return Ok(ExitCode::SUCCESS),
         };
         let (run, words) = match wanted {
             Wanted::Run(run, words) => (run, words),
             Wanted::Panel(words) => {
-                if let Err(error) =
-                    stand::stand(args, &machine, (incoming.path(), &words), link, &mut interrupts)
-                {
+                let asked = (incoming.path(), &*words, &*compared);
+                if let Err(error) = stand::stand(args, &machine, asked, link, &mut interrupts) {
                     words::say(&format!("error: {error}\n"));
                 }
                 interrupts.iter_mut().for_each(Interrupts::forget);
                 continue;
             }
         };
-        let ended = one_run(args, (incoming.path(), &words), link, quiet, &mut interrupts);
+        let ended = one_run(args, (incoming.path(), &words, &compared), link, quiet, &mut interrupts);
         let value = match &ended {
             Ok((folder, summary)) => json!({ "run": run, "folder": folder, "summary": summary }),
             Err(error) => {
@@ -124,32 +142,53 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
     }
 }
 
-/// The link with a run that somebody asks for; `None` if nothing is wanted any more.
+/// What came of waiting.
+enum Came {
+    /// Somebody asks for something.
+    Wanted(Link, Wanted),
+    /// The process of the link has ended, for no reason that would end another one.
+    Lost,
+    /// Nothing is wanted any more.
+    Enough,
+}
+
+/// Waits until somebody asks for something.
 fn asked_for(
     mut link: Link,
     machine: &str,
     told: Option<&str>,
     interrupts: &mut Option<Interrupts>,
-) -> Result<Option<(Link, Wanted)>, CliError> {
+) -> Result<Came, CliError> {
+    let mut listened = false;
     loop {
-        match link.says() {
+        // What it said last may still be on its way when it has ended.
+        let is_over = link.is_over();
+        let said = if is_over { link.says_last() } else { link.says() };
+        match said {
             Some(Said::Listening) => {
+                listened = true;
                 told.iter().for_each(|address| words::say(&format!("the machine waits at {address}\n")));
             }
-            Some(Said::Run { run, words }) => return Ok(Some((link, Wanted::Run(run, words)))),
-            Some(Said::Panel { words }) => return Ok(Some((link, Wanted::Panel(words)))),
+            Some(Said::Run { run, words }) => return Ok(Came::Wanted(link, Wanted::Run(run, words))),
+            Some(Said::Panel { words }) => return Ok(Came::Wanted(link, Wanted::Panel(words))),
             Some(Said::Look) => link.heard.shows(seen::off(machine)),
+            Some(Said::Note(text)) => words::say(&format!("{text}\n")),
             Some(Said::Refused(text)) => return Err(CliError::Input(text)),
-            Some(Said::Why(text)) => return Err(CliError::Machine(text)),
+            Some(Said::Why(text)) if !listened => return Err(CliError::Machine(text)),
+            Some(Said::Why(text)) => words::say(&format!("{}: {text}\n", super::LINK)),
             Some(_) => {}
-            None if link.is_over() => {
+            None if is_over && listened => {
+                words::say(&format!("{} has ended: another one waits for programs\n", super::LINK));
+                return Ok(Came::Lost);
+            }
+            None if is_over => {
                 return Err(CliError::Machine(format!("{} ended without a reason", super::LINK)));
             }
             None => {}
         }
         if interrupts.as_mut().is_some_and(Interrupts::is_wished) {
             link.end();
-            return Ok(None);
+            return Ok(Came::Enough);
         }
     }
 }
@@ -191,13 +230,14 @@ fn arguments(args: &ServeArgs, folder: &Path, words: &[String]) -> Result<RunArg
 /// One run; its folder and its summary.
 fn one_run(
     args: &ServeArgs,
-    (folder, words): (&Path, &[String]),
+    (folder, words, compared): (&Path, &[String], &str),
     mut link: Link,
     quiet: bool,
     interrupts: &mut Option<Interrupts>,
 ) -> Result<(PathBuf, Value), CliError> {
-    let prepared =
-        arguments(args, folder, words).and_then(|run| Prepared::of(&run, quiet, interrupts, false));
+    let prepared = is_as_compared(args, compared)
+        .and_then(|()| arguments(args, folder, words))
+        .and_then(|run| Prepared::of(&run, quiet, interrupts, false));
     let prepared = match prepared {
         Ok(prepared) => prepared,
         Err(error) => {

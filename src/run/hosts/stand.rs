@@ -26,7 +26,7 @@ use serde_json::Value;
 
 use super::{
     Link, NAP, seen,
-    serve::{ServeArgs, options, program_in},
+    serve::{ServeArgs, is_as_compared, options, program_in},
 };
 use crate::{
     error::CliError,
@@ -46,11 +46,11 @@ const OPTIONS: usize = 7;
 pub(super) fn stand(
     args: &ServeArgs,
     machine: &str,
-    (folder, words): (&Path, &[String]),
+    (folder, words, compared): (&Path, &[String], &str),
     mut link: Link,
     interrupts: &mut Option<Interrupts>,
 ) -> Result<(), CliError> {
-    let begun = Panel::start(args, folder, words);
+    let begun = is_as_compared(args, compared).and_then(|()| Panel::start(args, folder, words));
     let mut panel = match begun {
         Ok(panel) => panel,
         Err(error) => {
@@ -92,7 +92,8 @@ pub(super) fn stand(
         Err(error @ CliError::Input(_)) => {
             link.heard.tell(&Told::Refuse(screen::plain(&error.to_string())))?
         }
-        _ => link.heard.tell(&Told::Over)?,
+        Err(error) => link.heard.tell(&Told::Lost(screen::plain(&error.to_string())))?,
+        Ok(()) => link.heard.tell(&Told::Over)?,
     }
     link.end();
     match lost {

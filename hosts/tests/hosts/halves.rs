@@ -1,0 +1,166 @@
+//! One half of the way is gone, stands, or is another one than it was: what is named, and what goes on.
+
+use std::{
+    fs,
+    io::Write as _,
+    net::TcpListener,
+    process::{Command, Stdio},
+    thread::Builder,
+    time::Duration,
+};
+
+use hosts::{call::call, proof::Role, seal::Key};
+use process::ipc::time::{Moment, sleep_until};
+
+use crate::{
+    place::{Host, Place, control, ended, project, signal, until, wait_s},
+    refusals::{text, waiting},
+};
+
+/// The file that was compared is the one that is run, or nothing is.
+#[test]
+fn a_machine_file_that_was_changed_while_it_waited_is_refused_and_then_compared_anew() {
+    let mut place = Place::new(None);
+    let lathe = fs::read_to_string(project("examples/machines/small-lathe.toml")).expect("a machine file");
+    let (here, there) = (place.write("here.toml", &lathe), place.write("there.toml", &lathe));
+    let short = place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nM2\n");
+    place.serve(&["--machine", &there.display().to_string()]);
+    let runs = |what: &str, status: i32| {
+        let output =
+            place.far(&short, &["--machine", &here.display().to_string()]).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(status), "{what}: {}", text(&output));
+        assert!(text(&output).contains(what), "{}", text(&output));
+    };
+    runs("completed", 0);
+    let other = lathe.clone() + "# another one\n";
+    place.write("there.toml", &other);
+    runs("was changed while it waited", 2);
+    runs("the machine file differs", 2);
+    assert_eq!(place.runs().len(), 1, "nothing has moved");
+    place.write("here.toml", &other);
+    runs("completed", 0);
+}
+
+/// On one computer nobody is in a hurry with it; on two nobody sees from there that it computes.
+#[test]
+fn an_interpreter_that_computes_for_longer_than_the_watchdog_waits_is_left_alone() {
+    let place = waiting();
+    let sines = "SIN[#1]+".repeat(80);
+    let heavy =
+        format!("G21\n#1=0\no1 while [#1 LT 1500000]\n#2=[{sines}1]\n#1=[#1+1]\no1 endwhile\nG0 X25\nM2\n");
+    let program = place.write("heavy.ngc", &heavy);
+    let begun = Moment::now();
+    let output = place.far(&program, &["--watchdog-s", "1"]).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0), "{}\n{}", text(&output), place.said());
+    let took_s = begun.elapsed().as_secs_f64();
+    assert!(took_s > 4.0, "{took_s} s: the program is too short for this computer to say anything");
+}
+
+#[test]
+fn a_measurement_that_is_broken_off_shows_what_it_has_and_says_why() {
+    let place = waiting();
+    let mut doctor = place.command(Host::A, &control());
+    doctor.args(["doctor", "--at", &place.address, "--key"]).arg(place.at("key"));
+    let doctor = doctor.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    wait_s(1.5);
+    place.links(Host::B).iter().for_each(|link| signal(*link, "KILL"));
+    let output = ended(doctor, 20.0);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    assert!(text(&output).contains("on the other host has ended"), "{}", text(&output));
+    assert!(text(&output).contains("| bytes | sent |"), "{}", text(&output));
+}
+
+#[test]
+fn a_link_that_is_stopped_beside_the_program_is_given_up() {
+    let place = waiting();
+    let run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "2"]).spawn();
+    let run = run.expect("it starts");
+    place.cuts(1);
+    let links = place.links(Host::A);
+    links.iter().for_each(|link| signal(*link, "STOP"));
+    let output = ended(run, 15.0);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    assert!(text(&output).contains("pitchlock-link here does not answer any more"), "{}", text(&output));
+    assert!(place.links(Host::A).is_empty(), "it is ended");
+    until("the machine there rests", 60.0, || place.is_clean(Host::B));
+}
+
+/// The bound of the docs is one for all bytes, and not for each.
+#[test]
+fn whoever_answers_byte_by_byte_is_somebody_who_says_nothing() {
+    let place = Place::new(None);
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let at = listener.local_addr().expect("an address").to_string();
+    let drips = move || {
+        for stream in listener.incoming().flatten() {
+            let drop_by_drop = move || {
+                let mut stream = stream;
+                while stream.write_all(b"p").is_ok() {
+                    sleep_until(Moment::now().after(Duration::from_millis(900)));
+                }
+            };
+            let _ = Builder::new().spawn(drop_by_drop);
+        }
+    };
+    let _drips = Builder::new().spawn(drips).expect("a thread");
+    let key = Key::read(&place.at("key")).expect("a key");
+    let begun = Moment::now();
+    let why = call(&at, &key.gate(), Role::Operator, Duration::from_secs(5)).expect_err("nobody").to_string();
+    assert!(why.contains("says nothing"), "{why}");
+    assert!(begun.elapsed().as_secs_f64() < 10.0, "it took {:?}", begun.elapsed());
+}
+
+#[test]
+fn a_link_that_dies_between_two_runs_is_followed_by_another() {
+    let place = waiting();
+    for time in 1..=3 {
+        place.links(Host::B).iter().for_each(|link| signal(*link, "KILL"));
+        let again = || place.said().matches("another one waits for programs").count() == time;
+        until("another one waits", 20.0, again);
+    }
+    assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
+}
+
+#[test]
+fn the_port_that_the_system_chose_is_told() {
+    let mut place = waiting();
+    place.kill_serve();
+    place.address = "127.0.0.1:0".into();
+    place.serve(&[]);
+    let said = place.said();
+    let at =
+        said.split("the machine waits at ").nth(1).and_then(|rest| rest.lines().next()).expect("an address");
+    assert!(!at.ends_with(":0"), "{at}");
+    place.address = at.to_owned();
+    assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
+}
+
+/// A small file system, until it is dropped.
+struct Small(std::path::PathBuf);
+
+impl Drop for Small {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("-l").arg(&self.0).status();
+    }
+}
+
+#[test]
+fn files_without_room_are_refused_and_the_machine_waits_on() {
+    let mut place = Place::new(None);
+    let small = place.at("b/tmp");
+    let mut mount = Command::new("mount");
+    mount.args(["-t", "tmpfs", "-o", "size=300k", "tmpfs"]).arg(&small).stderr(Stdio::null());
+    if !mount.status().is_ok_and(|status| status.success()) {
+        eprintln!("left out: a small file system needs an administrator");
+        return;
+    }
+    let _small = Small(small);
+    place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nM2\n");
+    let long = place.write("long.ngc", &format!("G21\n{}G0 X25\nM2\n", "(nothing at all)\n".repeat(50_000)));
+    place.serve(&[]);
+    let output = place.far(&long, &[]).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(2), "{}\n{}", text(&output), place.said());
+    assert!(text(&output).contains("long.ngc: does not fit on the machine's computer"), "{}", text(&output));
+    assert!(place.runs().is_empty(), "nothing has moved");
+    assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
+}
