@@ -49,6 +49,8 @@ pub(crate) struct Program {
     pub(crate) entry: Option<Entry>,
     /// The reference runs that come before it.
     pub(crate) references: Vec<Reference>,
+    /// It is what somebody has given by hand, block by block.
+    pub(crate) by_hand: bool,
 }
 
 impl Program {
@@ -129,6 +131,7 @@ impl Program {
             chips_mm,
             entry: None,
             references: references::of(machine),
+            by_hand: false,
         })
     }
 
@@ -174,6 +177,7 @@ impl Program {
             chips_mm: BTreeMap::new(),
             entry: None,
             references: if by_hand { Vec::new() } else { references::of(machine) },
+            by_hand,
         })
     }
 

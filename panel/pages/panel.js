@@ -79,7 +79,9 @@ function show(news) {
   if (news.playback || "time_s" in news && state.playback) player();
   if ("seat" in news) keys();
   if ("from" in news) begins();
-  $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}; ${state.words}` : state.words || "–";
+  const why = state.outcome === "faulted" && state.faults?.[0] ? ": " + state.faults[0].text : "";
+  $("words").textContent = state.outcome && state.state === "ready" ? `${state.outcome}${why}; ${state.words}` : state.words || "–";
+  if ("part" in news) part();
   const kind = { fault: "fault", "emergency-stop": "fault", held: "held", holding: "holding", paused: "paused", "tool-change": "paused" }[state.state];
   document.querySelector(".state").className = "state " + (kind || (["ready", "ended"].includes(state.state) ? "" : "run"));
   const parts = [];
@@ -95,7 +97,7 @@ function show(news) {
   if ($("prompt").textContent !== (state.prompt || "")) $("prompt").textContent = state.prompt || "";
   $("tool-in").hidden = state.mode !== "tool-change";
   $("tool-in").textContent = state.tool ? `T${state.tool} is in` : "It is out";
-  if (state.done) $("done").style.width = (100 * state.done[0] / Math.max(1, state.done[1])) + "%";
+  $("done").style.width = (state.done ? 100 * state.done[0] / Math.max(1, state.done[1]) : 0) + "%";
   if (news.axes) axes();
   if (news.spindle) {
     const spindle = state.spindle;
@@ -130,10 +132,16 @@ function axes() {
     const factor = axis.name === "X" ? across : 1;
     const cell = (mm) => number((mm - zero) * factor, 3);
     const name = axis.name === "X" && factor === 2 ? "X ⌀" : axis.name;
-    return [axis.referenced === false ? name + " · not referenced" : name, cell(axis.measured_mm), axis.to_go_mm === null || axis.to_go_mm === undefined ? "–" : number(axis.to_go_mm * factor, 3),
+    return [name, cell(axis.measured_mm), axis.to_go_mm === null || axis.to_go_mm === undefined ? "–" : number(axis.to_go_mm * factor, 3),
       cell(axis.commanded_mm), number(axis.error_um, 1) + " µm", number(axis.load_pct, 0) + " %"];
   });
   fill($("axes"), rows);
+  state.axes.forEach((axis, at) => {
+    const [low, high] = state.machine?.travel?.[at] || [-Infinity, Infinity], mm = axis.measured_mm, beyond = mm < low - 0.1 || mm > high + 0.1;
+    const row = $("axes").tBodies[0].rows[at];
+    row.className = (axis.referenced === false ? "lost" : "") + (beyond ? " beyond" : "");
+    row.title = beyond ? `${axis.name} is beyond its travel of ${low} to ${high} of the machine` : "";
+  });
   $("frame").textContent = ofWork ? (origin() ? "Work" : "Machine, ⌀") : "Machine";
 }
 function fill(table, rows) {
@@ -147,6 +155,13 @@ function fill(table, rows) {
     });
   });
 }
+function part() {
+  const { verdict, words, report } = state.part || {};
+  $("part").hidden = !state.part;
+  $("part").className = verdict || "";
+  const of = { good: "The part is good.", bad: "The part is not good.", none: "The part is not judged." }[verdict];
+  $("part").textContent = state.part ? [of, ...words.map((text) => text.replace(/[.]?$/, ".")), `Report: ${report}`].join(" ") : "";
+}
 function knobs() {
   for (const [name, inForce] of [["spindle", true], ["feed", true], ["rapid", false]]) {
     const at = state.knobs[name + "_pct"], force = state.knobs[name + "_in_force_pct"];
@@ -159,7 +174,7 @@ function text() {
   const pre = $("text");
   pre.textContent = "";
   const source = state.program?.text;
-  if (!source) { pre.textContent = state.by_hand ? "Work by hand" : state.program?.folder ? "The program is too long to be shown, or machine code." : ""; return; }
+  if (!source) { pre.textContent = state.by_hand || state.program?.name === "by-hand.mc" ? "Work by hand" : state.program?.folder ? "The program is too long to be shown, or machine code." : ""; return; }
   source.split("\n").forEach((line, at) => {
     const row = document.createElement("div"), label = document.createElement("b");
     label.textContent = at + 1;
@@ -221,7 +236,13 @@ function told() {
     item.append(head, small);
     list.append(item);
   };
-  for (const fault of state.faults || []) say("fault", `${fault.source} ${fault.code}: ${fault.text}`, (fault.remedy ? "look at: " + fault.remedy : "") + ` (cycle ${fault.cycle})`);
+  // What several have found at once is one.
+  const found = new Map();
+  for (const fault of state.faults || []) found.set(fault.code + fault.text, [...(found.get(fault.code + fault.text) || []), fault]);
+  for (const [fault, ...others] of found.values()) {
+    const sources = [fault, ...others].map((one) => one.source).filter((source, at, all) => all.indexOf(source) === at).join(", ");
+    say("fault", `${sources} ${fault.code}: ${fault.text}`, (fault.remedy ? "look at: " + fault.remedy.replaceAll("`", "") : "") + ` (cycle ${fault.cycle})`);
+  }
   for (const message of [...(state.messages || [])].reverse()) say("", message.text, `line ${message.line}`);
   if (!list.children.length) say("", "none", "");
 }
@@ -477,7 +498,7 @@ for (const name of ["spindle", "feed", "rapid"]) {
     // While it is dragged, ten times a second are enough.
     if (!due) due = setTimeout(() => { due = null; press(name + "-override", Number(slider.value)); }, 100);
   };
-  slider.onchange = () => setTimeout(() => { hand[name] = false; }, 400);
+  slider.onchange = () => setTimeout(() => { hand[name] = false; if (state.knobs) knobs(); }, 400);
 }
 $("take").onclick = () => press(state.seat === me ? "leave-seat" : "take-seat");
 $("frame").onclick = () => { ofWork = !ofWork; if (state.axes) axes(); };

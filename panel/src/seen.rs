@@ -8,8 +8,19 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// Fields that are shown beside those of [`Seen`].
-const BESIDE: [&str; 10] =
-    ["signals", "machine", "program", "mode", "recording", "by_hand", "offsets", "way", "outcome", "from"];
+const BESIDE: [&str; 11] = [
+    "signals",
+    "machine",
+    "program",
+    "mode",
+    "recording",
+    "by_hand",
+    "offsets",
+    "way",
+    "outcome",
+    "part",
+    "from",
+];
 
 /// Every field that is shown of a machine, null: nothing is known yet.
 pub(crate) fn nothing() -> Map<String, Value> {
@@ -183,8 +194,8 @@ pub struct Seen {
     pub pass: u32,
     /// Its depth, mm.
     pub depth_mm: f64,
-    /// How much of the program is done, in steps of machine code.
-    pub done: [u64; 2],
+    /// How much of the program is done, in steps of machine code, and all of it; nothing of work by hand.
+    pub done: Option<[u64; 2]>,
     /// The axes.
     pub axes: Vec<AxisSeen>,
     /// The spindle.

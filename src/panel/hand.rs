@@ -17,7 +17,7 @@ use motion::Exit;
 use protocol::{Axis, ByHand, Code, CodePacket, Feed, Item, MachineState, PerAxis, Position};
 use rig::observe::Record;
 
-use super::{lost::Lost, mode::Doing, tables::typed};
+use super::{homing::InHand, lost::Lost, mode::Doing, tables::typed};
 use crate::offsets::{Set, Table, Target};
 
 /// A jog comes to rest in so long, s: with the time for which its key stays pressed with nobody to confirm
@@ -40,6 +40,8 @@ pub(crate) struct Hand {
     /// Where the axes rest, while the machine waits for a block.
     rests: Option<PerAxis<Position>>,
     lost: Lost,
+    /// What was given last.
+    pub(super) in_hand: InHand,
 }
 
 /// Why something is not given.
@@ -83,6 +85,7 @@ impl Hand {
             doing: Doing::Block,
             rests: None,
             lost: Lost::default(),
+            in_hand: InHand::default(),
         })
     }
 
@@ -100,7 +103,7 @@ impl Hand {
             at
         });
         if self.rests.is_some() {
-            self.doing = Doing::Nothing;
+            (self.doing, self.in_hand) = (Doing::Nothing, InHand::default());
         }
     }
 
@@ -140,7 +143,7 @@ impl Hand {
         let moves = match asked {
             HandAsked::Step { .. } | HandAsked::TouchOff { .. } => true,
             // Home of an axis that is lost is its reference run; of another one it is a move.
-            HandAsked::Home(name) => !self.axis(name).is_ok_and(|(axis, _)| self.lost.has(axis)),
+            HandAsked::Home(name) => self.axis(name).is_ok_and(|(axis, _)| !self.lost.has(axis)),
             _ => false,
         };
         self.lost.why().filter(|_| moves)
@@ -190,6 +193,7 @@ impl Hand {
                 let here = at[axis.index()];
                 let lost = self.lost.jogs((axis, config), &self.machine.general, here, *positive);
                 if let Some((target, most)) = lost.transpose()? {
+                    feed(*mm_min, fastest_jog(config))?;
                     let given = self.jog(&at, (axis, target), feed(mm_min.min(most), most)?, true);
                     return Ok(self.taken(given));
                 }
@@ -215,6 +219,7 @@ impl Hand {
     fn taken(&mut self, given: Given) -> Given {
         self.steps += given.items.iter().map(Item::steps).sum::<u64>();
         self.items.extend(&given.items);
+        self.in_hand = InHand::of(&given.items);
         self.doing = if given.jogs { Doing::Jog } else { Doing::Block };
         self.rests = None;
         given

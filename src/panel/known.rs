@@ -8,9 +8,13 @@ use interpreter::Language;
 use machine::Machine;
 use process::shell::Pace;
 use protocol::{MachineState, MachineStatus, PerAxis};
-use rig::observe::Observer;
+use rig::observe::{Observer, Record};
 
-use super::{hand::fastest_jog, plan::Plan};
+use super::{
+    hand::fastest_jog,
+    homing::{Asked, Homing, InHand},
+    plan::Plan,
+};
 use crate::{program::Program, run::Setup};
 
 /// Longest text of a program that is shown, bytes.
@@ -46,6 +50,7 @@ impl<'a> Shown<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Known {
     pub(super) plan: Plan,
+    pub(super) homing: Homing,
     /// All steps of the program.
     pub(super) steps: u64,
     pub(super) cycle_s: f64,
@@ -73,6 +78,7 @@ impl Known {
             machine.tools.iter().map(|(number, tool)| Some((number.parse().ok()?, tool.name.clone())));
         let known = Known {
             plan,
+            homing: Homing::of(machine),
             steps: program.steps,
             cycle_s: machine.general.cycle_s,
             torque_limit_nm,
@@ -81,6 +87,19 @@ impl Known {
             origins_mm: [by_tool, by_pass.collect()],
         };
         (known, way)
+    }
+
+    /// One control cycle; `given` is what is in hand of what somebody gives by hand.
+    pub(super) fn cycle(&mut self, record: &Record, given: Option<InHand>) {
+        match (given, self.plan.by_hand) {
+            (Some(given), _) => self.homing.by_hand(record, given),
+            // A session that is made again.
+            (None, true) => {
+                let asked = self.plan.references(record.machine.taken);
+                self.homing.cycle(record, Asked::ByHand(asked));
+            }
+            (None, false) => self.homing.cycle(record, Asked::Program),
+        }
     }
 
     /// What the motor of the spindle can at a speed, N·m: its torque, or what its power leaves of that.

@@ -53,6 +53,10 @@ pub(crate) struct Live {
     /// Turns of the spindle, and the place of the tool, in the cycle before.
     turned: Option<(f64, Point)>,
     trail: Vec<Point>,
+    /// Axes that were not referenced in the cycle before, bit by bit.
+    lost: u8,
+    /// The panel is to forget the way before.
+    forgets: bool,
     /// How many of these the panel knows.
     told: usize,
     shown: Moment,
@@ -105,6 +109,8 @@ impl Live {
             known: Known::default(),
             turned: None,
             trail: Vec::new(),
+            lost: 0,
+            forgets: false,
             told: 0,
             shown: Moment::now(),
             lists: None,
@@ -144,7 +150,7 @@ impl Live {
         let (program, machine) = (json!(program), json!(machine));
         let empty = json!([]);
         let none = json!({
-            "program": program, "machine": machine, "outcome": null, "way": way,
+            "program": program, "machine": machine, "outcome": null, "part": null, "way": way,
             "passes": empty, "messages": empty, "faults": empty, "signals": self.rows.signals(),
         });
         self.stands(fields(&none));
@@ -158,7 +164,7 @@ impl Live {
             self.web.link.answer(&self.rows.head());
             self.web.link.answer(&ToPanel::Set(self.still.clone()));
             self.anew = true;
-            (self.stale, self.told, self.lists) = (false, 0, None);
+            (self.stale, self.told, self.forgets, self.lists) = (false, 0, false, None);
             self.untold.clear();
         }
         if !self.stale && !self.untold.is_empty() && self.web.link.offer(&ToPanel::Set(self.untold.clone())) {
@@ -187,10 +193,17 @@ impl Live {
         if let Some(hand) = &mut self.hand {
             hand.cycle(record);
         }
+        self.known.cycle(record, self.hand.as_ref().map(|hand| hand.in_hand));
         if self.mode != Mode::Playback {
             self.mode = Mode::of(record, self.hand.as_ref().map(Hand::doing));
         }
         self.change.cycle(record.machine);
+        if std::mem::replace(&mut self.lost, record.machine.unreferenced) & !record.machine.unreferenced != 0
+        {
+            // Where the tool has gone before is known no more than where it began.
+            self.trail.clear();
+            (self.forgets, self.turned) = (true, None);
+        }
         self.takes_a_turn(record);
         if self.rows.cycle(record, observer) {
             self.sends_rows();
@@ -263,6 +276,12 @@ impl Live {
     /// Tells where the tool has gone since it was told last.
     fn draw(&mut self) {
         let link = &mut self.web.link;
+        if !self.stale && self.forgets && link.is_free() && link.offer(&ToPanel::NoTrail) {
+            (self.told, self.forgets) = (0, false);
+        }
+        if self.forgets {
+            return;
+        }
         let more = self.trail.get(self.told..).unwrap_or_default();
         if !self.stale && !more.is_empty() && link.is_free() && link.offer(&ToPanel::Trail(more.to_vec())) {
             self.told = self.trail.len();
@@ -343,7 +362,8 @@ impl Live {
             self.refuse(ticket, "not-running", "the run was over before the machine took it");
         }
         // One that was busy, or is started again behind the run, shows how it ended, too.
-        let ended = view::ended(std::mem::take(&mut self.last), summary, self.tables.machine());
+        let last = std::mem::take(&mut self.last);
+        let ended = view::ended(last, summary, self.tables.machine(), folder);
         self.stands(ended);
         self.look();
         let until = Moment::now().after(TOLD);

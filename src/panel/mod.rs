@@ -4,6 +4,7 @@
 mod args;
 mod by_hand;
 pub(crate) mod hand;
+mod homing;
 mod known;
 mod live;
 mod lost;
@@ -177,7 +178,10 @@ fn at_the_machine(
             sleep_until(Moment::now().after(IDLE));
         };
         let ended = if wish == Wish::Hand {
-            one_run(&by_hand, quiet, &mut interrupts, &mut live)
+            let ended = one_run(&by_hand, quiet, &mut interrupts, &mut live);
+            // What was by hand is over, and the program is what start starts.
+            live.loads(asked, loaded.then_some(&program), &name);
+            ended
         } else {
             // The start behind this one begins at the beginning.
             let from = std::mem::take(&mut begins);

@@ -26,12 +26,16 @@ struct Stop {
     time_s: f64,
     /// Where the axes are then, mm.
     at: PerAxis<f64>,
+    /// The axis of which it is the reference run.
+    references: Option<Axis>,
 }
 
 /// What is to come.
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
     stops: Vec<Stop>,
+    /// It is what somebody has given by hand.
+    pub(super) by_hand: bool,
     /// There is more than was looked at.
     open: bool,
     /// How long the whole program takes, s.
@@ -59,7 +63,13 @@ impl Plan {
             places(item, &at, |place, kind| way.push(point(&axes, place, kind)));
             at = end(item, &at);
             steps += item.steps();
-            plan.stops.push(Stop { line: item.line, steps, begins_s, time_s, at: at.map(Position::mm) });
+            plan.by_hand |= plan.stops.is_empty() && matches!(item.code, Code::ByHand(_));
+            let references = match item.code {
+                Code::ByHand(ByHand::References(axis)) => Some(axis),
+                _ => None,
+            };
+            let at = at.map(Position::mm);
+            plan.stops.push(Stop { line: item.line, steps, begins_s, time_s, at, references });
         });
         plan.open = left == 0;
         spread(&mut plan.stops, if plan.open { None } else { Some(time_s) });
@@ -84,6 +94,17 @@ impl Plan {
     /// Where the block in hand leads each axis, mm.
     pub(crate) fn target_mm(&self, done: u64, line: u32) -> Option<PerAxis<f64>> {
         self.in_hand(done, line).map(|place| self.stops[place].at)
+    }
+
+    /// The axis of which the block in hand is the reference run.
+    pub(super) fn references(&self, done: u64) -> Option<Axis> {
+        let next = self.stops.partition_point(|stop| stop.steps <= done);
+        self.stops.get(next).and_then(|stop| stop.references)
+    }
+
+    /// Something goes on that is no part of the program: its time begins anew.
+    pub(super) fn waits(&mut self, done: u64, now_s: f64) {
+        self.since = (done, now_s);
     }
 
     /// How long the rest takes at 100 %, s: what is foretold behind the last block that is done, less what
@@ -119,7 +140,7 @@ fn spread(stops: &mut [Stop], end_s: Option<f64>) {
 }
 
 /// Where an item that begins at `at` ends.
-fn end(item: &Item, at: &PerAxis<Position>) -> PerAxis<Position> {
+pub(super) fn end(item: &Item, at: &PerAxis<Position>) -> PerAxis<Position> {
     match &item.code {
         code if code.target().is_some() => code.target().copied().unwrap_or(*at),
         Code::Pass(pass) => std::array::from_fn(|axis| pass.axes[axis].end),

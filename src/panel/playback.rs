@@ -103,6 +103,7 @@ impl Player<'_> {
         live.rows = Rows::of(self.run.machine);
         live.begins(&program, &machine, Known::of(&self.run));
         live.shows_tables(shown(Table::of(self.run.language, self.run.machine, None)));
+        live.stands(fields(&json!({ "part": view::part(&self.recorded.summary, dir) })));
         self.shows(live, dir);
     }
 

@@ -1,5 +1,7 @@
 //! What is shown of a control cycle. In: a [`Record`] and what the observer knows. Out: fields of the panel.
 
+use std::path::Path;
+
 use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Point, Seen, SpindleSeen};
 use machine::{AxisConfig, Machine};
 use protocol::{Axis, AxisState, MachineState, MachineStatus, Motion, Panel};
@@ -7,7 +9,7 @@ use rig::observe::{FaultReport, MessageReport, Observer, PassEnd, PassReport, Re
 
 use serde_json::{Map, Value, json};
 
-use super::{known::Known, live::fields, mode::Mode};
+use super::{homing::Homing, known::Known, live::fields, mode::Mode};
 
 /// Passes that are shown: the newest.
 const MOST_PASSES: usize = 200;
@@ -23,7 +25,12 @@ const AXIS_STANDS: f64 = 0.05;
 
 /// What stands behind a run, whatever of it was shown: `last` is what was. Of an axis with a reference run
 /// nobody knows where it stands as soon as the machine is off.
-pub(super) fn ended(last: Map<String, Value>, summary: &Summary, machine: &Machine) -> Map<String, Value> {
+pub(super) fn ended(
+    last: Map<String, Value>,
+    summary: &Summary,
+    machine: &Machine,
+    folder: &Path,
+) -> Map<String, Value> {
     let mut shown = last;
     for axis in shown.get_mut("axes").and_then(Value::as_array_mut).into_iter().flatten() {
         let of = |(own, config): (Axis, &AxisConfig)| {
@@ -38,10 +45,29 @@ pub(super) fn ended(last: Map<String, Value>, summary: &Summary, machine: &Machi
         "passes": passes(&summary.passes),
         "messages": messages(&summary.messages),
         "faults": faults(&summary.faults),
-        "outcome": summary.outcome, "mode": Mode::Off.name(), "by_hand": null, "from": null,
+        "outcome": summary.outcome, "part": part(summary, folder),
+        "mode": Mode::Off.name(), "by_hand": null, "from": null,
+        // Each run begins with these.
+        "knobs": Knobs {
+            spindle_pct: 100.0,
+            spindle_in_force_pct: 100.0,
+            feed_pct: 100.0,
+            feed_in_force_pct: 100.0,
+            rapid_pct: 100.0,
+        },
         "state": "ended", "words": "the run is over",
     })));
     shown
+}
+
+/// Whether the part is good, in the last words of the run, and where its report will be.
+pub(super) fn part(summary: &Summary, folder: &Path) -> Value {
+    let groove = summary.groove.iter().map(|groove| groove.sentence());
+    let gauges = summary.gauged().iter().map(|gauge| gauge.sentence());
+    let reasons = summary.part.reasons.iter().map(|reason| format!("not good: {reason}"));
+    let report = folder.join("report.html").display().to_string();
+    let words: Vec<_> = groove.chain(gauges).chain(reasons).collect();
+    json!({ "verdict": summary.part.verdict, "words": words, "report": report })
 }
 
 /// What is seen in this cycle; lists only if there is something in them that `shown` has not.
@@ -51,7 +77,14 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
     let target = known.plan.target_mm(done, machine.line).filter(|_| goes(machine));
     let panel = &truth.measurement.panel;
     let tool_name = known.tool_names.get(&machine.tool).cloned().unwrap_or_default();
-    let (state, words) = words(record, &tool_name);
+    let (state, words) = words(record, &tool_name, &known.homing);
+    let left_s = match known.homing.goes() {
+        true => {
+            known.plan.waits(done, time_s);
+            None
+        }
+        false => known.plan.left_s(done, time_s).filter(|_| !known.homing.is_by_hand()),
+    };
     let counts = Counts::of(observer);
     let lists = shown != Some(counts);
     let axis = |(axis, status): &(Axis, protocol::AxisStatus)| AxisSeen {
@@ -59,7 +92,7 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
         referenced: !machine.is_unreferenced(*axis),
         commanded_mm: status.commanded_mm,
         measured_mm: status.commanded_mm - status.servo_error_mm,
-        to_go_mm: target.map(|target| target[axis.index()] - status.commanded_mm),
+        to_go_mm: known.homing.to_go_mm(*axis, status.commanded_mm, target.as_ref()),
         error_um: 1e3 * status.servo_error_mm,
         speed_mm_s: status.velocity_mm_s,
         torque_nm: truth.measurement.axes[axis.index()].torque_nm,
@@ -77,8 +110,8 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
         line: machine.line,
         pass: machine.pass,
         depth_mm: machine.depth_mm,
-        done: [done, known.steps],
-        left_s: known.plan.left_s(done, time_s),
+        done: (!known.homing.is_by_hand()).then_some([done, known.steps]),
+        left_s,
         axes: axes.iter().map(axis).collect(),
         spindle: SpindleSeen {
             rpm: truth.spindle_rpm,
@@ -193,7 +226,7 @@ fn faults(faults: &[FaultReport]) -> Vec<Fault> {
 }
 
 /// The state by its name and in words.
-fn words(record: &Record, tool_name: &str) -> (&'static str, String) {
+fn words(record: &Record, tool_name: &str, homing: &Homing) -> (&'static str, String) {
     let Record { truth, axes, machine } = record;
     let panel = &truth.measurement.panel;
     let moves = axes.iter().any(|(_, status)| status.velocity_mm_s.abs() > AXIS_STANDS);
@@ -216,19 +249,31 @@ fn words(record: &Record, tool_name: &str) -> (&'static str, String) {
                 said("holding", format!("hold is pressed; pass {pass} goes on as the machine file says"))
             }
             (_, true) => said("holding", "hold: comes to rest".into()),
-            _ => said("held", "held; start goes on".into()),
+            _ => match homing.axis() {
+                Some(axis) => {
+                    said("held", format!("held in the reference run of {axis}; start goes on with it"))
+                }
+                None => said("held", "held; start goes on".into()),
+            },
         };
     }
     match machine.state() {
         MachineState::Starting => said("starting", "waits for the drives".into()),
-        MachineState::Ready => said("ready", format!("between two blocks, line {line}")),
-        MachineState::Moving if machine.motion() == Motion::Rapid => {
-            said("rapid", format!("rapid, line {line}"))
+        MachineState::Ready => {
+            said("ready", homing.words().unwrap_or_else(|| format!("between two blocks, line {line}")))
         }
-        MachineState::Moving => said("moving", format!("feed, line {line}")),
+        MachineState::Moving => match machine.motion() {
+            Motion::Rapid => said("rapid", homing.words().unwrap_or_else(|| format!("rapid, line {line}"))),
+            _ => said("moving", homing.words().unwrap_or_else(|| format!("feed, line {line}"))),
+        },
         MachineState::Waiting => said("waiting", format!("waits for the spindle, or dwells, line {line}")),
         MachineState::Threading => said("threading", format!("{}, line {line}", in_words(axes, pass))),
-        MachineState::Paused => said("paused", format!("line {line} is a pause: start goes on")),
+        MachineState::Paused => match homing.axis() {
+            Some(axis) => {
+                said("paused", format!("single block: start goes on with the reference run of {axis}"))
+            }
+            None => said("paused", format!("line {line} is a pause: start goes on")),
+        },
         MachineState::ToolChange => said("tool-change", tool_in_words(machine.tool, tool_name)),
         MachineState::ByHand => said("by-hand", "ready: jog, or give a block".into()),
         MachineState::Ended => said("ended", "the program is over".into()),
@@ -263,7 +308,7 @@ pub(super) fn is_in_pass(record: &Record) -> bool {
     record.axes.iter().any(|(_, status)| status.state().has_begun())
 }
 
-/// The place of the tool in this cycle.
+/// The place of the tool in this cycle, as it is measured: where an axis truly is, nobody at a machine sees.
 pub(super) fn place(record: &Record) -> Point {
     let in_pass = is_in_pass(record);
     let kind = match (in_pass, record.machine.motion()) {
@@ -271,7 +316,7 @@ pub(super) fn place(record: &Record) -> Point {
         (false, Motion::Feed) => 1,
         (false, _) => 0,
     };
-    let at = record.axes.iter().map(|(axis, _)| record.truth.axes[axis.index()].slide_mm as f32);
+    let at = record.axes.iter().map(|(_, status)| (status.commanded_mm - status.servo_error_mm) as f32);
     (at.collect(), kind)
 }
 

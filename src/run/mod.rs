@@ -145,6 +145,21 @@ fn repeatable(asked: &RunArgs) -> Result<RunArgs, CliError> {
     folder::repeated(asked)
 }
 
+/// What was given by hand waits for every block, and only the presses of its session give them.
+fn is_given(asked: &RunArgs, program: &Program) -> Result<(), CliError> {
+    let alone = !asked.program.is_dir() && asked.scenario.is_none();
+    if !(program.by_hand && !asked.by_hand && alone) {
+        return Ok(());
+    }
+    let folder = asked.program.parent().filter(|folder| *folder != Path::new(""));
+    let folder = folder.unwrap_or(Path::new(".")).display();
+    let text = format!(
+        "is work by hand: each of its blocks waits for the press of its session, and here nobody presses; run the \
+         folder instead: pitchlock run {folder}"
+    );
+    Err(CliError::file(&asked.program, text))
+}
+
 /// Reads all that a run is made of and runs nothing: its program, and where that is begun at a line, what
 /// is in force there.
 pub(crate) fn judged(asked: &RunArgs) -> Result<(PathBuf, Value), CliError> {
@@ -154,6 +169,7 @@ pub(crate) fn judged(asked: &RunArgs) -> Result<(PathBuf, Value), CliError> {
     args.language.from = asked.from.or(args.language.from);
     args.with_panel = true;
     let program = Program::read(&args.program, &args.language.language(), &machine, args.gauge.read()?)?;
+    is_given(asked, &program)?;
     let (scenario, _) = read_scenario(&args, &machine)?;
     can_be_played(&scenario, &args)?;
     let begun = program.entry.as_ref().map_or(Value::Null, |entry| entered::as_json(entry, &machine));
@@ -196,6 +212,7 @@ impl Judged {
             let notes = if asked.program.is_dir() { "" } else { &notes };
             words::say(&format!("{notes}{}", program.messages));
         }
+        is_given(asked, &program)?;
         let (scenario, scenario_text) = read_scenario(&args, &machine)?;
         can_be_played(&scenario, &args)?;
         if let Some(entry) = program.entry.as_ref().filter(|_| asked.from.is_some()) {

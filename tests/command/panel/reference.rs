@@ -50,17 +50,41 @@ fn before_its_reference_runs_a_machine_only_jogs_and_a_session_with_them_is_repe
     assert_eq!(stands(&panel), before);
     does(&panel, "jog", json!({ "axis": "Z", "mm_min": 600, "way": "-" }));
     assert!(stands(&panel)[1] < before[1], "it jogs");
+    let way_ends = || {
+        let state = panel.state();
+        let end = state["trail"]["points"].as_array().and_then(|all| all.last()).cloned().unwrap_or_default();
+        let apart = |axis: usize| {
+            let [at, end] =
+                [&state["axes"][axis]["measured_mm"], &end[0][axis]].map(serde_json::Value::as_f64);
+            at.zip(end).map_or(f64::INFINITY, |(at, end)| (at - end).abs())
+        };
+        apart(0).max(apart(1))
+    };
+    until("its way is drawn to where it is measured", || way_ends() < 0.05);
+    assert_eq!(panel.state()["done"], serde_json::Value::Null);
     does(&panel, "home", "x");
     assert_eq!((referenced(&panel), stands(&panel)[0]), ([true, false], 60.0));
     let (code, why) = refused(&panel, "mdi", json!("G0 X20"));
     assert!(code == "not-referenced" && why.starts_with("Z is not referenced"), "{code}: {why}");
     let (code, why) = refused(&panel, "home", json!("X"));
     assert!(code == "not-referenced" && why.starts_with("Z is not referenced"), "{code}: {why}");
+    let (code, why) = refused(&panel, "home", json!("Q"));
+    assert_eq!((code.as_str(), why.as_str()), ("bad-block", "this machine has no axis Q: X, Z"));
+    let (code, why) = refused(&panel, "jog", json!({ "axis": "Z", "mm_min": 100_000, "way": "-" }));
+    assert!(code == "bad-block" && why.contains("100000 is no feed of this jog"), "{code}: {why}");
     // It may be held on its way.
     panel.turn("home", "Z");
-    until("it goes", || panel.state()["axes"][1]["speed_mm_s"].as_f64().is_some_and(|speed| speed > 1.0));
+    let mut state = json!(null);
+    until("it goes", || {
+        state = panel.state();
+        state["axes"][1]["speed_mm_s"].as_f64().is_some_and(|speed| speed > 1.0)
+    });
+    let words = state["words"].as_str().unwrap_or_default();
+    assert!(words.starts_with("reference run of Z: ") && state["left_s"].is_null(), "{state}");
+    assert_eq!(state["axes"][1]["to_go_mm"].is_null(), !words.ends_with("goes home"), "{state}");
     panel.press("hold");
     until("it is held", || panel.state()["mode"] == "held");
+    until("it says so", || panel.state()["words"] == "held in the reference run of Z; start goes on with it");
     assert_eq!(refused(&panel, "home", json!("X")).0, "not-now");
     panel.press("start");
     is_ready(&panel);
@@ -71,6 +95,10 @@ fn before_its_reference_runs_a_machine_only_jogs_and_a_session_with_them_is_repe
     let summary = ended(&place, panel);
     assert_eq!((summary.outcome, summary.faults.len()), (Outcome::Stopped, 0));
     is_repeated(&place, "session", &summary);
+    let alone = ["run", "session/by-hand.mc", "--machine", &lathe];
+    let answer = place.ask(&alone);
+    let remedy = "run the folder instead: pitchlock run session";
+    assert!(answer.status == Some(2) && answer.stderr.contains(remedy), "{}", answer.stderr);
 }
 
 /// What moves nothing and does the same wherever the axes are is done before; the way to the switch ends
@@ -143,6 +171,7 @@ fn a_fault_of_a_run_reaches_the_panel_at_any_pace() {
         let panel = by_hand(&place, &["--machine", &dead, "--pace", pace, "--trace", "none"]);
         does(&panel, "home", "X");
         assert_eq!(referenced(&panel), [true, false]);
+        panel.turn("feed-override", 60.0);
         panel.turn("home", "Z");
         until("it is off", || panel.state()["mode"] == "off");
         let state = panel.state();
@@ -150,6 +179,7 @@ fn a_fault_of_a_run_reaches_the_panel_at_any_pace() {
         assert_eq!(state["faults"][0]["code"], "switch-not-found", "pace {pace}: {state}");
         assert_eq!(state["faults"].as_array().map(Vec::len), Some(summary.faults.len()), "pace {pace}");
         assert_eq!(state["cycle"].as_u64(), Some(summary.cycles - 1), "pace {pace}");
+        assert_eq!(state["knobs"]["feed_pct"], 100.0, "pace {pace}: the next run begins so");
         assert_eq!(
             (referenced(&panel), &state["outcome"]),
             ([false, false], &json!("faulted")),

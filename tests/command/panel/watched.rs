@@ -309,7 +309,11 @@ fn a_program_is_started_as_often_as_somebody_presses_start() {
         panel.press("start");
         let summary = place.at(&format!("runs/short-{number}/summary.json"));
         until("the run is over", || summary.exists() && panel.state()["state"] == "ready");
-        assert_eq!(panel.state()["outcome"], "completed");
+        let state = panel.state();
+        assert_eq!(state["outcome"], "completed");
+        let report = place.at(&format!("runs/short-{number}/report.html"));
+        let told = std::path::Path::new(state["part"]["report"].as_str().expect("a path"));
+        assert_eq!((&state["part"]["verdict"], place.at("").join(told)), (&json!("none"), report));
         assert_eq!(panel.state()["seat"], "test", "who holds the keys goes on holding them");
     }
     let hash = |number: u32| {
