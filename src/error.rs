@@ -42,7 +42,7 @@ impl From<ShellError> for CliError {
             ShellError::Ipc(error) => CliError::Machine(error.to_string()),
             ShellError::NotSetUp(_) => CliError::Machine(error.to_string()),
             ShellError::File { .. } | ShellError::Machine(_) | ShellError::Input(_) => {
-                CliError::Input(error.to_string())
+                CliError::Input(intake::in_words(&error.to_string()))
             }
         }
     }
