@@ -1,18 +1,15 @@
 //! `pitchlock hall`: many machines on several computers in one view, which only looks. In: a file that names
 //! them. Out: a list that is drawn again and again, or one document.
 
-use std::{
-    io::IsTerminal as _,
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+mod file;
+
+use std::{io::IsTerminal as _, path::PathBuf, process::ExitCode};
 
 use clap::Args;
 use process::{
     ipc::time::Moment,
     link::{Said, Watch, Watched, shown},
 };
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::{
@@ -53,33 +50,6 @@ pub(crate) struct HallArgs {
 const SILENT_S: f64 = 1.0;
 /// So long a single look waits for all to answer, s.
 const LOOK_S: f64 = 2.0;
-/// Most machines of a hall.
-const MOST: usize = 64;
-
-/// The file.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct HallFile {
-    #[serde(default)]
-    hall: Head,
-    #[serde(default)]
-    machine: Vec<Entry>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Head {
-    name: Option<String>,
-    key: Option<PathBuf>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Entry {
-    name: String,
-    at: String,
-    key: Option<PathBuf>,
-}
 
 /// A hall.
 #[derive(Debug)]
@@ -89,68 +59,7 @@ struct Hall {
     machines: Vec<(String, Watch)>,
 }
 
-/// Whether this is HOST:PORT.
-fn is_address(text: &str) -> bool {
-    let parts = text.rsplit_once(':');
-    let is_port = |port: &str| {
-        port.bytes().all(|digit| digit.is_ascii_digit()) && port.parse::<u16>().is_ok_and(|port| port > 0)
-    };
-    parts.is_some_and(|(host, port)| !host.is_empty() && is_port(port))
-}
-
 impl Hall {
-    /// Reads one.
-    fn read(path: &Path) -> Result<Hall, CliError> {
-        let wrong = |error: &dyn std::fmt::Display| CliError::file(path, error);
-        let text = intake::text(path, intake::SETTINGS).map_err(|error| wrong(&error))?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let hall =
-            Hall::of(&text, &name, path.parent().unwrap_or(Path::new(""))).map_err(|error| wrong(&error))?;
-        let missing = (1..).zip(&hall.machines).find(|(_, (_, watch))| !watch.key.exists());
-        missing.map_or(Ok(()), |(number, (name, watch))| {
-            let help =
-                "`pitchlock-link key FILE` makes one; here it is that which `pitchlock serve` has there";
-            let key = watch.key.display();
-            Err(wrong(&format!("machine {number}, {name:?}: there is no key {key}\nhelp: {help}")))
-        })?;
-        Ok(hall)
-    }
-
-    fn of(text: &str, name: &str, folder: &Path) -> Result<Hall, String> {
-        let file: HallFile = toml::from_str(text).map_err(|error| error.to_string())?;
-        let HallFile { hall: Head { name: named, key }, machine: entries } = file;
-        if entries.is_empty() || entries.len() > MOST {
-            return Err(format!(
-                "{} machines\nhelp: [[machine]] names one, 1 to {MOST} of them",
-                entries.len()
-            ));
-        }
-        let mut machines: Vec<(String, Watch)> = Vec::new();
-        for (number, entry) in (1..).zip(entries) {
-            let Entry { name, at, key: own } = entry;
-            let place = format!("machine {number}, {name:?}");
-            if name.trim().is_empty() || name.contains('\n') || shown(&name) != name {
-                return Err(format!("{place}: name\nhelp: a name is a line of text"));
-            }
-            if let Some(before) = machines.iter().position(|(before, _)| *before == name) {
-                return Err(format!(
-                    "{place}: machine {} has this name\nhelp: give it another one",
-                    before + 1
-                ));
-            }
-            if !is_address(&at) {
-                return Err(format!("{place}: at = {at:?}\nhelp: HOST:PORT, as in \"10.0.0.2:7447\""));
-            }
-            let Some(key) = own.or_else(|| key.clone()) else {
-                return Err(format!(
-                    "{place}: no key\nhelp: key = \"FILE\" here, or for all machines in [hall]"
-                ));
-            };
-            machines.push((name, Watch { at, key: folder.join(key) }));
-        }
-        Ok(Hall { name: named.unwrap_or_else(|| name.to_owned()), machines })
-    }
-
     /// One document of all that is known.
     fn document(&self, all: &[Watched]) -> Value {
         let machine = |((name, watch), watched): (&(String, Watch), &Watched)| {
@@ -180,7 +89,7 @@ impl Hall {
             folded = machines.split_off(most - 1);
         }
         let mut rows =
-            vec![["machine", "does", "faults", "program", "line", "passes", "time"].map(str::to_owned)];
+            vec![["machine", "faults", "does", "program", "line", "passes", "time"].map(str::to_owned)];
         rows.extend(machines.into_iter().map(|(name, watched)| row(name, watched)));
         let width = |column: usize| rows.iter().map(|row| terminal::width(&row[column])).max().unwrap_or(0);
         let widths: Vec<usize> = (0..7).map(width).collect();
@@ -262,7 +171,7 @@ fn row(name: &str, watched: &Watched) -> [String; 7] {
     let time = seen["time_s"].as_f64().map(|seconds| format!("{seconds:.1} s")).unwrap_or_default();
     let faults = seen["faults"].as_array().into_iter().flatten().filter_map(|fault| fault["code"].as_str());
     let faults = faults.collect::<Vec<_>>().join(", ");
-    [name.to_owned(), does, faults, text("program"), number("line"), passes, time].map(|cell| line(&cell))
+    [name.to_owned(), faults, does, text("program"), number("line"), passes, time].map(|cell| line(&cell))
 }
 
 /// Shows a hall.
@@ -312,6 +221,8 @@ pub(crate) fn hall(args: &HallArgs) -> Result<ExitCode, CliError> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
@@ -361,7 +272,7 @@ mod tests {
         let lines: Vec<_> =
             text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
         assert_eq!(lines[0], "hall: 3 machines, 2 do not answer");
-        assert_eq!(lines[2], "one auto servo-error m20x2.ngc 12 3 of 9 6.2 s");
+        assert_eq!(lines[2], "one servo-error auto m20x2.ngc 12 3 of 9 6.2 s");
         let narrow = hall.drawn(&all, Some((40, 24)));
         assert!(
             narrow.contains("servo-error") && narrow.lines().nth(2).is_some_and(|line| line.ends_with('…'))

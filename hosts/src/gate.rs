@@ -31,6 +31,8 @@ use crate::{
 const PROVES: Duration = Duration::from_secs(2);
 /// So long nobody new is taken when the system has no files or no memory for him.
 const NO_ROOM: Duration = Duration::from_millis(50);
+/// The shortest time for which anything is waited for.
+const SHORT_NAP: Duration = Duration::from_millis(1);
 
 /// Somebody who has proved nothing.
 struct Waiting {
@@ -161,7 +163,7 @@ impl Gate {
     fn proves(&self, stranger: &mut Stranger, mut stream: &TcpStream) -> std::io::Result<Known> {
         let deadline = Moment::now().after(PROVES);
         while !deadline.passed() {
-            stream.set_read_timeout(Some(deadline.since(Moment::now()).max(Duration::from_millis(1))))?;
+            stream.set_read_timeout(Some(deadline.since(Moment::now()).max(SHORT_NAP)))?;
             let count = stream.read(stranger.room())?;
             if count == 0 {
                 break;

@@ -30,6 +30,12 @@ pub struct PingArgs {
 /// So long after the last one it is waited for those that have not come.
 const LAST: Duration = Duration::from_secs(2);
 
+/// So long at most nothing is looked at while some are to be sent, and behind the last one.
+const SHORT_NAP: Duration = Duration::from_millis(1);
+const NAP: Duration = Duration::from_millis(10);
+/// Between two sizes.
+const PAUSE: Duration = Duration::from_millis(20);
+
 /// The times of one size, sorted, µs.
 struct Row {
     bytes: usize,
@@ -84,10 +90,10 @@ fn measure(
             }
             if sent < args.count {
                 // It is woken by what comes, and else in time for the next one.
-                let left = next.since(Moment::now()).min(Duration::from_millis(1));
+                let left = next.since(Moment::now()).min(SHORT_NAP);
                 note(caller.wire.wait(left), session, begun, &mut row)?;
             } else {
-                note(caller.wire.wait(Duration::from_millis(10)), session, begun, &mut row)?;
+                note(caller.wire.wait(NAP), session, begun, &mut row)?;
             }
         }
         row.times_us.sort_by(f64::total_cmp);
@@ -101,7 +107,7 @@ fn measure(
             row.share(0.99),
             row.share(1.0)
         );
-        sleep_until(Moment::now().after(Duration::from_millis(20)));
+        sleep_until(Moment::now().after(PAUSE));
     }
     Ok(())
 }

@@ -19,6 +19,7 @@ mod reference;
 pub mod screw;
 mod spindle;
 mod tapping;
+mod told;
 mod tool;
 mod variation;
 
@@ -43,7 +44,7 @@ pub use variation::{NotVaried, SpeedLaw, VariationConfig, Varied};
 #[derive(Debug, thiserror::Error)]
 pub enum MachineError {
     /// Not TOML, an unknown key, a missing key, or a value of the wrong type; the message shows the place.
-    #[error("in {section}: {}", syntax_in_words(error))]
+    #[error("in {section}: {}", told::syntax(error))]
     Syntax {
         /// The section of the file, as in `[axis.x]`.
         section: String,
@@ -199,17 +200,6 @@ impl MachineError {
         let header = before.lines().rev().find_map(|line| line.trim().strip_prefix('[')?.split(']').next());
         let section = header.map_or("the first lines".into(), |name| format!("[{name}]"));
         MachineError::Syntax { section, error: Box::new(error) }
-    }
-}
-
-/// What is wrong, its place, and where a whole file is to be seen.
-fn syntax_in_words(error: &toml::de::Error) -> String {
-    let text = error.to_string().trim_end().to_owned();
-    match error.message().starts_with("invalid type") {
-        true => text,
-        false => {
-            text + "\nhelp: a machine file is TOML; `pitchlock machine` prints a whole one, with what each key means"
-        }
     }
 }
 

@@ -24,7 +24,10 @@ fn the_crest_of_a_nut_is_what_was_drilled() {
     {
         for (mm, verdict) in [(good_mm, "good"), (small_mm, "bad"), (large_mm, "bad")] {
             place.write("drill.tbl", format!("T1 P1 D{mm} ; drill\nT2 P2\n"));
-            place.write("shop.toml", format!("{shop}\n[tools.1]\nname = \"drill\"\nwidth_mm = {mm}\n[tools.2]\nname = \"bar\"\n"));
+            place.write(
+                "shop.toml",
+                format!("{shop}\n[tools.1]\nname = \"drill\"\nwidth_mm = {mm}\n[tools.2]\nname = \"bar\"\n"),
+            );
             for more in [["--tools", "drill.tbl"], ["--machine", "shop.toml"]] {
                 let answer = run(&place, program, &more);
                 let gauge = summary(&place)["gauge"].clone();
