@@ -21,7 +21,7 @@ pub(crate) enum CliError {
 impl CliError {
     /// Prints the error and gives the exit status.
     pub(crate) fn report(&self) -> ExitCode {
-        let text = self.to_string();
+        let text = intake::in_words(&self.to_string());
         let already_named = text.contains(": error") || text.starts_with("error");
         words::say(&format!("{}{}\n", if already_named { "" } else { "error: " }, text.trim_end()));
         match self {
@@ -32,7 +32,7 @@ impl CliError {
 
     /// A file that cannot be read or written.
     pub(crate) fn file(path: &std::path::Path, error: impl std::fmt::Display) -> CliError {
-        CliError::Input(format!("{}: {}", path.display(), intake::in_words(&error.to_string())))
+        CliError::Input(format!("{}: {error}", path.display()))
     }
 }
 
@@ -42,7 +42,7 @@ impl From<ShellError> for CliError {
             ShellError::Ipc(error) => CliError::Machine(error.to_string()),
             ShellError::NotSetUp(_) => CliError::Machine(error.to_string()),
             ShellError::File { .. } | ShellError::Machine(_) | ShellError::Input(_) => {
-                CliError::Input(intake::in_words(&error.to_string()))
+                CliError::Input(error.to_string())
             }
         }
     }
