@@ -97,7 +97,7 @@ impl Plan {
     /// and what to write.
     pub fn read(name: &str, text: &str) -> Result<Plan, CampaignError> {
         let wrong = |why: String| CampaignError::Input(format!("{name}: {why}"));
-        let file: File = toml::from_str(text).map_err(|error| wrong(intake::in_words(&error.to_string())))?;
+        let file: File = toml::from_str(text).map_err(|error| wrong(error.to_string()))?;
         let plan = Plan::of(file, text).map_err(wrong)?;
         match plan.count() {
             Some(runs) if runs <= MOST_RUNS => Ok(plan),
