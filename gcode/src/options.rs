@@ -171,6 +171,8 @@ pub struct Options {
     /// G84 and G74 of RS274/NGC, which are for a floating holder, are rigid taps with the lead of F and S,
     /// and that is warned of: for a machine that taps no other way.
     pub rigid_taps: bool,
+    /// The machine is a mill: a tool that works with the length of another one, or without one, is warned of.
+    pub is_mill: bool,
     /// Where subroutine files are looked for, after the folder of the program.
     pub subroutine_folders: Vec<PathBuf>,
     /// Limits.
@@ -200,6 +202,7 @@ impl Default for Options {
             startup: None,
             stand_alone: false,
             rigid_taps: false,
+            is_mill: false,
             subroutine_folders: Vec::new(),
             limits: Limits::default(),
         }

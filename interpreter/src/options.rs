@@ -316,7 +316,9 @@ pub fn check_folders(folders: &[PathBuf]) -> Result<(), OpenError> {
 /// What the machine file says about programs: mm, its plane, its axes at home.
 pub(crate) fn options(machine: &Machine) -> Options {
     let position = home(machine);
-    let mut options = Options { plane: plane_of(machine), position, rigid_taps: true, ..Options::default() };
+    let is_mill = machine.general.kinematics == machine::Kinematics::Mill;
+    let mut options =
+        Options { plane: plane_of(machine), position, rigid_taps: true, is_mill, ..Options::default() };
     options.dialect = named(machine.general.dialect, machine).unwrap_or_default();
     options.decimal_point = machine.general.decimal_point.map(|bare| match bare {
         BareNumbers::Conventional => DecimalPoint::Conventional,

@@ -2,7 +2,7 @@
 
 use crate::shop::Place;
 
-const FANUC: &str = "O1000 (SHAFT)\nG97 S500 M03\nT0101\nG00 X40. Z2.\nG01 Z-30. F0.2\nU4.\nM30\n";
+const FANUC: &str = "O1000 (SHAFT)\nG97 S500 M03\nT0100\nG00 X40. Z2.\nG01 Z-30. F0.2\nU4.\nM30\n";
 const SUBROUTINE: &str = "S500 M3\no100 sub\nG0 X40 Z2\no100 endsub\no100 call\nM2\n";
 
 #[test]

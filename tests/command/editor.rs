@@ -185,7 +185,7 @@ fn both_dialects_are_spoken() {
 
     // What is typed makes it a program of the other dialect.
     let document = json!({ "uri": editor.uri, "version": 2 });
-    let text = "O1001 (SHAFT)\nG97 S500 M03\nT0101\nG00 X60. Z80.\nG50 S2000\nU2.\nG01 Z70. F0.2\nM98 P2000\nM30\nO2000\nM99\n";
+    let text = "O1001 (SHAFT)\nG97 S500 M03\nT0100\nG00 X60. Z80.\nG50 S2000\nU2.\nG01 Z70. F0.2\nM98 P2000\nM30\nO2000\nM99\n";
     editor.tell(
         "textDocument/didChange",
         json!({ "textDocument": document, "contentChanges": [{ "text": text }] }),

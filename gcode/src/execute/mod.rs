@@ -61,6 +61,7 @@ pub(crate) use job::job;
 pub(crate) use kind::Kind;
 pub(crate) use output::{Done, Output};
 pub(crate) use stop::finish;
+pub(crate) use tool::other_length;
 
 /// What a control says before the first block: units, offsets, feed reference.
 pub(crate) fn start(state: &State, out: &mut Output) -> Done {
@@ -216,7 +217,7 @@ pub(crate) fn straight_move(
     out: &mut Output,
 ) -> Done {
     modes::feed(block, Some(code), state, out)?;
-    begin_move(code, state, out);
+    begin_move(code, block, state, out);
     straight::to(|_| Ok(target), code, block, state, out)?;
     state.axes.moved();
     Ok(())
@@ -224,7 +225,7 @@ pub(crate) fn straight_move(
 
 /// Motion codes.
 fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done {
-    begin_move(code, state, out);
+    begin_move(code, block, state, out);
     if code == G(800) {
         state.modes.motion = None;
         return out.call(Call::Note("motion mode set to none"));
@@ -233,7 +234,8 @@ fn move_by(code: G, block: &Block, state: &mut State, out: &mut Output) -> Done 
 }
 
 /// `code` is that of the state from here.
-fn begin_move(code: G, state: &mut State, out: &mut Output) {
+fn begin_move(code: G, block: &Block, state: &mut State, out: &mut Output) {
+    tool::moves(block, state, out);
     if !cycles::is_cycle(code) {
         state.cycle.end();
     }

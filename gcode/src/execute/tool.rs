@@ -2,8 +2,8 @@
 
 use super::{Done, Output, check};
 use crate::block::Block;
-use crate::canon::{Call, Pose, X, Y};
-use crate::codes::{G, M};
+use crate::canon::{Call, Pose, X, Y, Z};
+use crate::codes::{G, M, group};
 use crate::files::Tool;
 use crate::problem::{Blame, Problem, short};
 use crate::state::{State, turn};
@@ -61,6 +61,9 @@ pub(super) fn after_change(state: &mut State) {
 
 /// Puts a copy of the tool into the spindle.
 fn load(number: i32, state: &mut State) {
+    if number != state.tools.number {
+        state.tools.length.changed(number);
+    }
     state.tools.number = number;
     let bare = || Tool { number, ..Tool::default() };
     let tool = state.tools.table.find(number).cloned().unwrap_or_else(bare);
@@ -115,6 +118,7 @@ pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output
         430 => {
             let number = if block.has('H') { tool_number(block, 'H')? } else { 0 };
             offset = state.units.to_program(&entry(number, 'H', state)?.offset);
+            other_length(number, Blame::Word('H'), state, out);
         }
         431 => {
             for (value, word) in offset.iter_mut().zip(words) {
@@ -132,8 +136,30 @@ pub(super) fn offset(code: G, block: &Block, state: &mut State, out: &mut Output
         }
         _ => offset = [0.0; 6],
     }
+    state.tools.length.asked(code != G(490));
     state.axes.set_tool_offset(offset);
     out.call(Call::UseToolLengthOffset(offset))
+}
+
+/// A mill is warned where H is the length of another tool than that in the spindle.
+pub(crate) fn other_length(h: i32, blame: Blame, state: &mut State, out: &mut Output) {
+    let tool = state.tools.number;
+    if state.settings.is_mill
+        && let Some(warning) = state.tools.length.of(h, tool, blame)
+    {
+        out.warn(warning);
+    }
+}
+
+/// A mill is warned where a tool moves along Z with a length that nobody asked for since it was put in.
+pub(super) fn moves(block: &Block, state: &mut State, out: &mut Output) {
+    if !state.settings.is_mill || !block.has('Z') || block.g(group::ONCE) == Some(G(530)) {
+        return;
+    }
+    let has_length = state.tools.table.in_spindle.offset[Z] != 0.0;
+    if let Some(warning) = state.tools.length.moves(state.tools.number, has_length) {
+        out.warn(warning);
+    }
 }
 
 /// G10 L1 (offsets as given), L10 (so that the tool is at the given place of the system in force), L11 (of

@@ -56,10 +56,26 @@ fn load(offset: i32, state: &mut State, out: &mut Output) {
         return;
     }
     let entry = state.tools.table.find(offset).cloned();
-    if entry.is_none() && !state.tools.table.is_empty() {
-        let message = format!("offset {offset} is not in the tool table");
-        let help = "it is taken to be 0 with a sharp nose; enter it in the table as the tool of this number";
-        out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));
+    if entry.is_none() {
+        unknown(offset, state, out);
     }
     state.tools.table.in_spindle = Tool { index: 0, number, ..entry.unwrap_or_default() };
+}
+
+/// An offset that nobody has said: of a program without a tool table once.
+fn unknown(offset: i32, state: &mut State, out: &mut Output) {
+    let (message, help) = match state.tools.table.is_empty() {
+        true if std::mem::replace(&mut state.tools.length.told_no_table, true) => return,
+        true => (
+            format!(
+                "nothing is known of offset {offset}: there is no tool table, and offsets are taken as 0"
+            ),
+            "name one with --tools FILE, or as tool_table under [machine] of the machine file",
+        ),
+        false => (
+            format!("offset {offset} is not in the tool table"),
+            "it is taken to be 0 with a sharp nose; enter it in the table as the tool of this number",
+        ),
+    };
+    out.warn(Problem::warning("unknown-tool", Blame::Word('T'), message, help));
 }

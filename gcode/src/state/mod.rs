@@ -9,6 +9,7 @@
 //! | `scale.rs` | units of the machine and of the program |
 //! | `modes.rs` | planes, distances, feed, path, motion code; spindle, coolant, overrides |
 //! | `axes.rs` | the programmed point, and the offsets between it and the machine |
+//! | `length.rs` | whose length of tool is in force, and what was said of it |
 //! | `compensation.rs` | G41, G42: tool and side, where the centre of the tool is |
 //! | `sticky.rs`, `recorder.rs` | words of canned cycles; the contour of G70, G71, G72 |
 //! | `tap.rs` | how G84 of FANUC taps |
@@ -17,6 +18,7 @@
 
 mod axes;
 mod compensation;
+mod length;
 pub(crate) mod memory;
 mod modes;
 mod recorder;
@@ -28,6 +30,7 @@ mod tap;
 
 pub(crate) use axes::{Axes, turn};
 pub(crate) use compensation::{Compensation, Cutter};
+pub(crate) use length::Length;
 pub(crate) use memory::Memory;
 pub(crate) use modes::{Coolant, Modes, Overrides, Spindle};
 pub(crate) use recorder::{Cycle, Piece, Recorder};
@@ -80,6 +83,8 @@ pub(crate) struct Tools {
     pub(crate) number: i32,
     /// Tools; entry 0 is what is in the spindle.
     pub(crate) table: ToolTable,
+    /// Whose length is in force.
+    pub(crate) length: Length,
 }
 
 /// What does not change while the program runs.
@@ -89,6 +94,8 @@ pub(crate) struct Settings {
     pub(crate) stand_alone: bool,
     /// [`Options::rigid_taps`].
     pub(crate) rigid_taps: bool,
+    /// [`Options::is_mill`], or a dialect of mills.
+    pub(crate) is_mill: bool,
     /// G73 and G83 go back by this much between pecks, machine units.
     pub(crate) peck_clearances: [f64; 2],
     /// [`Options::forgets_g92`].
@@ -168,6 +175,7 @@ impl State {
             settings: Settings {
                 stand_alone: options.stand_alone,
                 rigid_taps: options.rigid_taps,
+                is_mill: options.is_mill || options.dialect == Dialect::FanucMill,
                 peck_clearances: options.peck_clearances,
                 forgets_g92: options.forgets_g92,
                 no_fanuc_subs: options.no_fanuc_subs,
@@ -185,7 +193,12 @@ impl State {
             coolant: Coolant::default(),
             overrides: Overrides::default(),
             axes: Axes::new(options.position),
-            tools: Tools { selected: None, number: 0, table: options.tools.clone() },
+            tools: Tools {
+                selected: None,
+                number: 0,
+                table: options.tools.clone(),
+                length: Length::default(),
+            },
             compensation: Compensation::default(),
             spline: Spline::default(),
             cycle: Sticky::default(),

@@ -6,6 +6,7 @@ mod encodings;
 mod fanuc;
 mod fanuc_mill;
 mod files;
+mod lengths;
 mod machine_codes;
 mod ngc;
 mod printing;

@@ -9,7 +9,7 @@ use super::super::execution::Execution;
 use super::{compensation_off, rotation};
 use crate::canon::{Call, Pose, Z};
 use crate::codes::{G, group};
-use crate::execute::Done;
+use crate::execute::{Done, other_length};
 use crate::problem::{Blame, Problem, Span, short};
 use crate::state::offset_of_system;
 
@@ -62,6 +62,7 @@ pub(super) fn length(run: &mut Execution) -> Done {
     if entry.is_none() && h != 0 {
         missing('H', h, blame, run);
     }
+    other_length(h, blame, run.state, run.out);
     let span = run.span_of(blame);
     run.equivalent.add_g(group::TOOL_LENGTH, G(431), span)?;
     run.equivalent.add('Z', sign * entry.unwrap_or(0.0), span)?;
