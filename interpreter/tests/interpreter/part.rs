@@ -41,6 +41,85 @@ fn each_warning_has_its_line() {
     }
 }
 
+/// A shoulder that the program turns or that is said of the stock, by a cycle and by G33; in front of it, and
+/// in a blank that is somewhat too thick, nothing is wrong.
+#[test]
+fn a_thread_through_a_shoulder_is_warned_of_wherever_it_retracts_to() {
+    let shoulder = "(part, profile Z0 D20 Z-18 D20 Z-18 D30 Z-60 D30)\nS600 M3\n";
+    let outside =
+        |z: f64| format!("{shoulder}G0 X16 Z8\nG76 P2 Z{z} I-6.09 J0.35 K1.485 R2 Q29.5 H2\nG0 X40\n");
+    let g33 = |z: f64| format!("{shoulder}G0 X16 Z8\nG0 X9\nG33 Z{z} K2\nG0 X25\n");
+    let turned = |z: f64| {
+        format!(
+            "(part, bar D30 L60)\nS600 M3 F100\nG0 X10 Z3\nG1 Z-18\nG0 X16\nG0 Z8\nG76 P2 Z{z} I-6 J0.3 K1.2\n"
+        )
+    };
+    for (program, line) in [(outside(-22.0), 5), (g33(-22.0), 6), (turned(-24.0), 8)] {
+        assert_eq!(found(&format!("{HEAD}{program}M2\n")), [("thread-in-stock", line)], "{program}");
+    }
+    for program in [outside(-14.0), g33(-14.0), turned(-14.0)] {
+        assert_eq!(found(&format!("{HEAD}{program}M2\n")), [], "{program}");
+    }
+    let thick = "(part, bar D22 L60)\nS600 M3\nG0 X16 Z8\nG76 P2 Z-22 I-6 J0.35 K1.2\n";
+    assert_eq!(found(&format!("{HEAD}{thick}M2\n")), []);
+}
+
+#[test]
+fn a_thread_through_a_step_of_a_bore_is_warned_of() {
+    let mut machine = Machine::plain();
+    for (number, width_mm) in [("1", 8.0), ("2", 18.0)] {
+        let drill =
+            machine::Tool { name: "drill".into(), width_mm: Some(width_mm), ..machine::Tool::default() };
+        machine.tools.insert(number.into(), drill);
+    }
+    let bored = |through: f64, z: f64| {
+        let drilled =
+            format!("T1 M6\nS600 M3 F100\nG0 X0 Z8\nG1 Z-{through}\nG0 Z8\nT2 M6\nM3\nG1 Z-18\nG0 Z8\n");
+        let program = format!("{HEAD}(part, bar D40 L60)\n{drilled}G0 X3\nG76 P2 Z{z} I6 J0.3 K1.2\nM2\n");
+        let check = interpreter::check("part.ngc", &program, &machine);
+        check.diagnostics.iter().map(|one| (one.code, one.line)).collect::<Vec<_>>()
+    };
+    assert_eq!(bored(40.0, -14.0), []);
+    assert_eq!(bored(40.0, -22.0), [("thread-in-stock", 13)]);
+    assert_eq!(bored(9.0, -22.0), [("retract-in-stock", 13)], "its bottom");
+}
+
+/// Programs of the project are not warned of what they do not do.
+#[test]
+fn no_example_is_warned_of_a_shoulder_or_of_lengths() {
+    let project = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let machines = [Machine::plain(), Machine::from_toml(SMALL_MILL).expect("shipped")];
+    let mut looked_at = 0;
+    for folder in [
+        "examples",
+        "examples/fanuc",
+        "examples/first-hour",
+        "examples/mill",
+        "examples/shape",
+        "tests/conformance/programs",
+    ] {
+        for entry in std::fs::read_dir(project.join(folder)).expect("a folder of programs") {
+            let path = entry.expect("a file").path();
+            let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+            if !["ngc", "nc"].contains(&ending) {
+                continue;
+            }
+            let Ok(text) = std::fs::read_to_string(&path) else { continue };
+            let mill = ["examples/mill", "examples/shape"].contains(&folder);
+            let mut machine = machines[usize::from(mill)].clone();
+            if folder == "examples/fanuc" {
+                machine.general.dialect = ProgramDialect::Fanuc;
+            }
+            let check = interpreter::check(&path.display().to_string(), &text, &machine);
+            let new = ["thread-in-stock", "other-length", "no-length", "comment-units"];
+            let found: Vec<_> = check.diagnostics.iter().filter(|one| new.contains(&one.code)).collect();
+            assert!(found.is_empty(), "{found:#?}");
+            looked_at += 1;
+        }
+    }
+    assert!(looked_at > 60, "{looked_at}");
+}
+
 #[test]
 fn the_part_lies_where_the_program_has_its_zero() {
     let at = |z: f64| {

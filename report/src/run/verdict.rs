@@ -98,8 +98,14 @@ pub(super) fn of(summary: &Summary) -> Verdict {
 
 /// What a machine would have hit or spoilt, and what the check warned of besides.
 fn checked(summary: &Summary, verdict: &mut Verdict) {
-    const CRASHES: [&str; 5] =
-        ["rapid-in-stock", "into-chuck", "cut-at-rest", "run-in-in-stock", "retract-in-stock"];
+    const CRASHES: [&str; 6] = [
+        "rapid-in-stock",
+        "into-chuck",
+        "cut-at-rest",
+        "run-in-in-stock",
+        "retract-in-stock",
+        "thread-in-stock",
+    ];
     let warnings = &summary.program_warnings;
     let crashes: Vec<_> = warnings.iter().filter(|one| CRASHES.contains(&one.code.as_str())).collect();
     if let Some(first) = crashes.first() {

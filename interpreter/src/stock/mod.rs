@@ -1,5 +1,6 @@
 //! What is left of the part while a program cuts it, and what no program should do with it: go through it, or
-//! into the chuck, in rapid motion; begin a run-in or end a retract inside it; cut while the spindle stands.
+//! into the chuck, in rapid motion; begin a run-in or end a retract inside it; lead a thread through a
+//! shoulder; cut while the spindle stands.
 //! In: moves in the coordinates of the part, mm, X a radius. Out: warnings.
 //!
 //! The stock is kept as a bore and an outer radius at nodes along Z. A feed takes off what lies beyond its
@@ -8,12 +9,14 @@
 //! warnings do not know of, and none that they invent. A cut that begins in front of a tube is of its outside
 //! or of its bore: both readings are kept until a move makes sense in one of them alone.
 
+mod thread;
+
 use std::collections::BTreeMap;
 
 use gcode::Problem;
 use gcode::problem::{Blame, short};
 use machine::{Machine, Part};
-use protocol::{Axis, PerAxis, Position, ThreadPass};
+use protocol::{Axis, PerAxis, Position};
 
 use crate::frame::Frame;
 use crate::thread::Point;
@@ -23,8 +26,6 @@ const STEP_MM: f64 = 0.05;
 const MOST_NODES: f64 = 40_000.0;
 /// So far a point is in the material that is in it, mm: nodes and lines are not finer.
 const SKIN_MM: f64 = 0.06;
-/// Places of a run-in that are looked at.
-const LOOKS: u32 = 64;
 /// Warnings of one program.
 const MOST_WARNINGS: u32 = 20;
 
@@ -98,37 +99,6 @@ impl Stock {
         if how != Goes::Rapid && (inside.is_some() || along_the_axis(from, to)) {
             self.cut(from, to, drill_mm);
         }
-        self.told(warning)
-    }
-
-    /// Takes a pass of a thread, of which X 0 and Z 0 of the part lie at `origin` on the machine.
-    pub(crate) fn pass(&mut self, pass: &ThreadPass, origin: Point, frame: &Frame) -> Option<Box<Problem>> {
-        let law = |axis: Axis| (pass.axis(axis).start.mm(), pass.law(axis));
-        let ((x0, x), (z0, z)) = (law(Axis::X), law(Axis::Z));
-        let at = |c: f64| Point { x: x0 + x.at(c).s - origin.x, z: z0 + z.at(c).s - origin.z };
-        // From where the axis along the thread sets off to where it is on its lead.
-        let [begins, locked] = {
-            let along = pass.axis(pass.along());
-            [along.run_in_c0_deg, along.run_in_c0_deg + along.run_in_dc_deg]
-        };
-        let looks =
-            (0..LOOKS).map(|look| at(begins + (locked - begins) * f64::from(look) / f64::from(LOOKS)));
-        let inside = looks.into_iter().find(|point| self.is_inside(*point));
-        let end = at(if pass.returns() { pass.thread_end_deg } else { pass.done_deg() });
-        let retracts = pass.axes.iter().any(|law| law.retract_mm != 0.0);
-        let warning = match inside {
-            None if retracts && self.is_inside(end) => Some(warning(
-                "retract-in-stock",
-                format!("the tool is retracted into the stock, to {}", frame.place(end)),
-                "retract it further, or end the thread where the tool has room: in front of a shoulder, in an undercut",
-            )),
-            Some(at) => Some(warning(
-                "run-in-in-stock",
-                format!("the tool is in the stock at {} before it is on the helix", frame.place(at)),
-                "start further from the part: `pitchlock check` says from which Z on there is full depth",
-            )),
-            None => self.in_chuck(at(begins), end, frame),
-        };
         self.told(warning)
     }
 
