@@ -25,6 +25,7 @@ impl Translator {
         };
         if let Some(insert) = Insert::from_comment(text, self.modal.frame.unit()).map_err(wrong)? {
             self.gauged.written = Written { insert: Some(insert), told: None };
+            self.read_in_units("the insert");
         }
         Ok(())
     }

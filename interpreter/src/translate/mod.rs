@@ -53,6 +53,8 @@ pub(crate) struct Translator {
     output: Output,
     doubts: Doubts,
     part: Option<Part>,
+    /// Comments read in the units in force, until something moves.
+    read_in_units: Vec<(Place, &'static str, canon::Units)>,
     stock: Option<Stock>,
     block: Option<Block>,
     /// Whether the block lies where X and Y of the machine are; until it is cut nobody knows.
@@ -112,6 +114,7 @@ impl Translator {
             jobs: Jobs::default(),
             doubts: Doubts::default(),
             part: None,
+            read_in_units: Vec::new(),
             stock: None,
             block: None,
             block_lies: false,
@@ -243,8 +246,11 @@ impl Translator {
             | Call::PalletShuttle
             | Call::Finish
             | Call::ProgramEnd => Ok(()),
-            Call::UseLengthUnits(_)
-            | Call::SelectPlane(_)
+            Call::UseLengthUnits(units) => {
+                self.units_are(units);
+                self.modal.change(&call, &self.machine)
+            }
+            Call::SelectPlane(_)
             | Call::SetG5xOffset(..)
             | Call::SetG92Offset(_)
             | Call::UseToolLengthOffset(_)

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use gcode::canon::Units;
 use gcode::problem::Blame;
 use gcode::{Place, Problem};
 use machine::{Kinematics, Part};
@@ -50,7 +51,29 @@ impl Translator {
             return Err(wrong("what the part is has been said before".into(), help));
         }
         self.has_part(part);
+        self.read_in_units("the part");
         Ok(())
+    }
+
+    /// A comment was read in the units in force.
+    pub(super) fn read_in_units(&mut self, what: &'static str) {
+        let read = (self.place(), what, self.modal.frame.units);
+        self.read_in_units.push(read);
+    }
+
+    /// Other units before anything has moved: comments above them were hardly meant in those before.
+    pub(super) fn units_are(&mut self, units: Units) {
+        for (place, what, before) in std::mem::take(&mut self.read_in_units) {
+            if before == units {
+                continue;
+            }
+            let code = if units == Units::Inch { "G20" } else { "G21" };
+            let message =
+                format!("the numbers of {what} are read in {}: {code} comes behind them", before.name());
+            let help = format!("write {code} in a block above this comment");
+            self.output
+                .report(place, *Problem::warning("comment-units", Blame::Line(place.line), message, help));
+        }
     }
 
     /// Where X 0 and Z 0 of the part lie on the machine, mm.
@@ -76,6 +99,7 @@ impl Translator {
 
     /// A straight move from where the axes rest.
     pub(super) fn part_sees(&mut self, place: Place, to: &PerAxis<Position>, rapid: bool) {
+        self.read_in_units.clear();
         if !rapid {
             self.cuts_at(self.origin());
             let origin = self.origin();

@@ -156,6 +156,19 @@ fn a_comment_is_in_inch_where_the_program_is_and_fanuc_has_it_too() {
 }
 
 #[test]
+fn numbers_above_the_unit_that_is_meant_are_warned_of() {
+    let inch = "(part, bar D2 L4)\nG18 G20 G90\nM2\n";
+    let check = interpreter::check("part.ngc", inch, &Machine::plain());
+    let [said] = &check.diagnostics[..] else { panic!("{:#?}", check.diagnostics) };
+    assert_eq!((said.code, said.line), ("comment-units", 1));
+    assert!(said.message.contains("in mm") && said.message.contains("G20"), "{said:#?}");
+    assert_eq!(found("(part, bar D40 L60)\nG18 G21 G90\nM2\n"), []);
+    assert_eq!(found("G18 G90 G8\n(part, bar D40 L60)\nG0 X30 Z5\nG20\nG0 X2\nM2\n"), [], "later");
+    assert_eq!(found("G20\n(part, bar D2 L4)\nM2\n"), []);
+    assert_eq!(found("(thread_insert, A60 R0.005)\nG20\nM2\n"), [("comment-units", 1)]);
+}
+
+#[test]
 fn what_cannot_be_is_an_error_at_its_line() {
     for (program, words) in [
         ("(part, bra D40 L60)\n", "cannot be \"bra\""),
