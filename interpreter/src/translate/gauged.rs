@@ -28,9 +28,6 @@ use crate::thread::{Point, Single};
 /// Leads closer than this are one, mm.
 const SAME_MM: f64 = 1e-4;
 
-/// What to do where program and thread are not the same.
-const HELP: &str = "change the passes, or the name in (thread, ...) or behind --gauge: 6g is a screw, 6G a nut, 6G EXTERNAL a screw";
-
 /// Passes of one kind.
 #[derive(Clone, Debug)]
 struct Kind {
@@ -239,7 +236,7 @@ impl Gauged {
     /// What the passes have that their thread does not have.
     fn contradictions(&self, units: Units) -> Vec<(Place, Box<Problem>)> {
         let of = |Named { nominal, passes, .. }: &Named| {
-            passes.kinds.iter().flat_map(|kind| against(nominal, kind, units)).collect::<Vec<_>>()
+            passes.kinds.iter().filter_map(|kind| against(nominal, kind, units)).collect::<Vec<_>>()
         };
         self.named.iter().flat_map(of).collect()
     }
@@ -273,8 +270,8 @@ impl Passes {
     }
 }
 
-/// What passes of a kind have that the thread does not have.
-fn against(nominal: &Nominal, kind: &Kind, units: Units) -> Vec<(Place, Box<Problem>)> {
+/// What passes of a kind have that the thread does not have, and what to do about it.
+fn against(nominal: &Nominal, kind: &Kind, units: Units) -> Option<(Place, Box<Problem>)> {
     let Nominal { name, pitch_mm, starts, .. } = nominal;
     let (lead_mm, mut found) = (pitch_mm * f64::from(*starts), Vec::new());
     if (kind.lead_mm - lead_mm).abs() > SAME_MM {
@@ -284,36 +281,40 @@ fn against(nominal: &Nominal, kind: &Kind, units: Units) -> Vec<(Place, Box<Prob
             format!(": {starts} starts of {}", units.length(*pitch_mm))
         };
         let (cut, asked) = (units.length(kind.lead_mm), units.length(lead_mm));
-        found.push(format!("the thread advances by {cut} in a turn, and {name} by {asked}{of}"));
-    } else if !kind.is_tap && kind.starts.len() < *starts as usize {
-        found.push(format!("{} of the {starts} starts of {name} are cut", kind.starts.len()));
-    } else if !kind.is_tap && kind.starts.len() > *starts as usize {
-        let s = if *starts == 1 { "" } else { "s" };
-        found.push(format!(
-            "the passes lie in {} grooves, and {name} has {starts} start{s}",
-            kind.starts.len()
-        ));
+        let help = format!("a lead of {asked} is that of {name}");
+        found.push((format!("the thread advances by {cut} in a turn, and {name} by {asked}{of}"), help));
+    } else if !kind.is_tap && kind.starts.len() != *starts as usize {
+        let (cut, s) = (kind.starts.len(), if *starts == 1 { "" } else { "s" });
+        let message = match cut < *starts as usize {
+            true => format!("{cut} of the {starts} starts of {name} are cut"),
+            false => format!("the passes lie in {cut} grooves, and {name} has {starts} start{s}"),
+        };
+        found.push((message, format!("cut {starts} groove{s}, each pass from a start of its own groove")));
     }
     if kind.changes {
-        found.push(format!(
-            "the lead grows from the start, and {name} has one lead: no gauge judges this thread"
-        ));
+        let message =
+            format!("the lead grows from the start, and {name} has one lead: no gauge judges this thread");
+        found.push((message, "a lead that grows is judged by (groove, ...)".into()));
     }
     if kind.side.is_some_and(|side| side != nominal.side) {
         let what = match nominal.side {
             Side::External => "a nut is cut here, away from the axis, and {name} is a screw",
             Side::Internal => "a screw is cut here, towards the axis, and {name} is a nut",
         };
-        found.push(what.replace("{name}", name));
+        let help = "6g is a screw, 6H and 6G are nuts, 6G EXTERNAL is a screw";
+        found.push((what.replace("{name}", name), help.into()));
     }
     if kind.grows != nominal.grows {
         let [cut, asked] = [kind.grows, nominal.grows].map(|left| if left { "left" } else { "right" });
-        found.push(format!("the thread is {cut}-hand here, and {name} is {asked}-hand"));
+        let message = format!("the thread is {cut}-hand here, and {name} is {asked}-hand");
+        found.push((message, "the spindle turned the other way, or the cut led the other way, changes the hand; LH behind a name is left-hand".into()));
     }
-    let blame = Blame::Line(kind.place.line);
-    let told = |message| (kind.place, Problem::warning("gauge-differs", blame, message, HELP));
     // A line is blamed once for each code: all in one.
-    (!found.is_empty()).then(|| told(found.join("; "))).into_iter().collect()
+    let (messages, helps): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    let help =
+        format!("change the passes, or the name in (thread, ...) or behind --gauge: {}", helps.join("; "));
+    let told = || Problem::warning("gauge-differs", Blame::Line(kind.place.line), messages.join("; "), help);
+    (!messages.is_empty()).then(|| (kind.place, told()))
 }
 
 impl Translator {

@@ -40,16 +40,39 @@ impl Translator {
         self.gauged.written.told = Some(number);
         let tool = number.and_then(|number| self.machine.tool(number));
         let Some(found) = insert.differs(tool) else { return };
-        let name = number.map_or("the tool".into(), |number| format!("tool {number} of the machine file"));
         let Insert { angle_deg, nose_mm, width_mm } = insert;
-        let message = format!("the thread is written for another insert: {name} has {found}");
-        let help = format!(
-            "mount an insert of {} degrees, nose {} mm, flat {} mm and say so in [tools]; or write the program again for \
-             the one that is there (pitchlock thread)",
-            short(angle_deg),
-            short(nose_mm),
-            short(width_mm)
-        );
+        let [angle, nose, width] = [angle_deg, nose_mm, width_mm].map(short);
+        let shape = format!("{angle} degrees, nose {nose} mm, flat {width} mm");
+        let flat = if width_mm == 0.0 { String::new() } else { format!(", width_mm = {width}") };
+        let described = |number: u32| {
+            format!(
+                "write [tools.{number}] with a name, angle_deg = {angle}, nose_mm = {nose}{flat} into the machine file: the gauge \
+                 goes by that, and not by (thread_insert, ...)"
+            )
+        };
+        let (message, help) = match (tool, number) {
+            (Some(_), Some(number)) => (
+                format!(
+                    "the thread is written for another insert: tool {number} of the machine file has {found}"
+                ),
+                format!(
+                    "mount an insert of {shape} and say so in [tools.{number}]; or write the program again for the one \
+                     that is there (pitchlock thread)"
+                ),
+            ),
+            (_, Some(number)) => (
+                format!(
+                    "nobody described tool {number}, which is taken to be sharp: the thread is written for {shape}"
+                ),
+                described(number),
+            ),
+            (_, None) => (
+                format!(
+                    "the program calls for no tool, and one that is sharp is taken: the thread is written for {shape}"
+                ),
+                format!("call for a tool, such as T1, and {}", described(1)),
+            ),
+        };
         self.output.report(place, *Problem::warning("other-insert", Blame::Line(place.line), message, help));
     }
 }

@@ -15,6 +15,7 @@ mod job_keys;
 mod jobs;
 mod merge;
 mod mill;
+mod named;
 mod part;
 mod policy;
 mod properties;
