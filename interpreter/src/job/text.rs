@@ -114,11 +114,20 @@ fn syntax(text: &str, error: &Error, page: &str) -> Fault {
     if let Some(fault) = unknown(text, message, &part, page) {
         return fault;
     }
+    if message == "missing field `kind`"
+        && table(text).is_ok_and(|table| table.get_ref().keys().any(|key| key.get_ref() == "machine"))
+    {
+        let message = "this is a machine file, and not a program".to_owned();
+        let help =
+            "give it behind --machine, and name a program: `pitchlock run PROGRAM --machine FILE`".to_owned();
+        return Fault { code: "job", key: "machine".into(), part: None, message, help };
+    }
     let help = if part.as_ref().is_some_and(|part| has_parameter(text, part.start)) {
         "# begins a comment here: parameters such as #1 are not read in jobs, write the number".to_owned()
     } else if message.starts_with("missing field") {
         format!(
-            "add it; in a program every line of a job begins with ;@, an empty one ends it; {page} shows a whole job"
+            "add it; in a program every line of a job begins with ;@, an empty one ends it; {page} shows a whole job; a \
+             scenario is given behind --scenario"
         )
     } else {
         format!("{page} lists the keys and their values")

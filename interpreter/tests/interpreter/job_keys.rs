@@ -160,3 +160,12 @@ fn parameters_are_not_read_in_jobs() {
     let check = check("part.ngc", &format!("G21 S1000 M3 F300\n{job}M2\n"), &mill());
     assert!(only(&check).0.contains(words[0]), "{}", only(&check).0);
 }
+
+/// A machine file in the place of a program is named as such.
+#[test]
+fn a_machine_file_is_not_a_job() {
+    let check = check_job("lathe.toml", machine::SMALL_LATHE, &mill());
+    let [found] = &check.diagnostics[..] else { panic!("{:#?}", check.diagnostics) };
+    assert_eq!((found.code, &*found.message), ("job", "this is a machine file, and not a program"));
+    assert!(found.help.contains("pitchlock run PROGRAM --machine FILE"), "{}", found.help);
+}
