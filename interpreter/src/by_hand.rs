@@ -22,7 +22,7 @@ use machine::{Machine, ProgramDialect};
 use protocol::{Code, Item, PerAxis, Position, SpindleMode, SpindleSpeed};
 
 use crate::options::{OpenError, asked, named};
-use crate::{Interpreter, Language};
+use crate::{Interpreter, Language, MessageNote};
 
 /// Most items of machine code that a block may be: those of a cycle, not those of a program.
 const MOST_ITEMS: usize = 4096;
@@ -48,6 +48,8 @@ pub struct ByHand {
     interpreter: Interpreter,
     /// What has been given so far, with where the axes rested: what is in force comes from it.
     given: Vec<(String, PerAxis<Position>)>,
+    /// What the last of them tells its operator.
+    told: Vec<MessageNote>,
 }
 
 impl ByHand {
@@ -60,7 +62,7 @@ impl ByHand {
         let dialect = if dialect == ProgramDialect::Auto { None } else { named(dialect, machine) };
         let options = asked(dialect.unwrap_or(Dialect::Linuxcnc), language, machine)?;
         let interpreter = begun(&options, machine);
-        Ok(ByHand { machine: machine.clone(), options, interpreter, given: Vec::new() })
+        Ok(ByHand { machine: machine.clone(), options, interpreter, given: Vec::new(), told: Vec::new() })
     }
 
     /// Reads a block, with the axes of the machine at rest here. `line` of its items is its number, from 1.
@@ -68,18 +70,35 @@ impl ByHand {
     /// # Errors
     /// What is wrong with it; nothing has changed.
     pub fn block(&mut self, text: &str, at: &PerAxis<Position>) -> Result<Vec<Item>, Vec<Diagnostic>> {
+        let before = (self.interpreter.messages().len(), self.interpreter.translator.steps());
         let items = self.interpreter.given(text, at, &self.options).map(|items| {
             let begins = Code::ByHand(protocol::ByHand::Begins { at: *at, jogs: false });
             std::iter::once(Item { line: 0, code: begins }).chain(items).collect::<Vec<_>>()
         });
         if items.is_ok() {
             self.given.push((text.to_owned(), *at));
+            self.told = self.tells(before);
         } else {
             // What was read of it is in force already.
             self.read_again();
         }
         let line = self.given.len() as u32;
         items.map(|items| items.into_iter().map(|item| Item { line, ..item }).collect())
+    }
+
+    /// What the last block tells its operator; `line` is the number of the block, and `after` counts from its
+    /// first item.
+    pub fn messages(&self) -> &[MessageNote] {
+        &self.told
+    }
+
+    /// Messages of the last block, behind so many messages and steps.
+    fn tells(&self, (messages, steps): (usize, u64)) -> Vec<MessageNote> {
+        let line = self.given.len() as u32;
+        // One more: where it begins was not the interpreter's.
+        let of_block =
+            |note: &MessageNote| MessageNote { line, after: note.after - steps + 1, text: note.text.clone() };
+        self.interpreter.messages()[messages..].iter().map(of_block).collect()
     }
 
     /// Why what the last block does depends on where the axes are; `None` if it moves nothing and does the
@@ -235,6 +254,24 @@ mod tests {
         let needs = hand.needs(text, &at, &items);
         assert_eq!(hand.blocks(), 2, "{text} stays given");
         needs
+    }
+
+    #[test]
+    fn what_a_block_tells_is_told_where_it_stands_in_it_and_once() {
+        let machine = Machine::default();
+        let mut hand = ByHand::new(&Language::default(), &machine).expect("nothing is beside it");
+        let at = machine.home();
+        let block = "(MSG, first)\nG91 G0 Z-1\n(MSG, second)\nG0 Z1";
+        for number in 1..=2 {
+            let items = hand.block(block, &at).expect("it is right");
+            assert_eq!(items.len(), 4, "it begins, goes there and back, and the next one is waited for");
+            let told: Vec<_> =
+                hand.messages().iter().map(|note| (note.line, note.after, note.text.as_str())).collect();
+            assert_eq!(told, [(number, 1, "first"), (number, 2, "second")]);
+        }
+        hand.block("G0 X", &at).expect_err("a value is missing");
+        hand.block("M8", &at).expect("it is right");
+        assert!(hand.messages().is_empty());
     }
 
     #[test]

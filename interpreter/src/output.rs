@@ -140,6 +140,11 @@ impl Output {
         self.place_messages();
     }
 
+    /// Steps of progress of all that has left.
+    pub(crate) fn steps(&self) -> u64 {
+        self.steps
+    }
+
     /// What the operator is told.
     pub(crate) fn messages(&self) -> &[MessageNote] {
         &self.messages

@@ -23,7 +23,13 @@ function connect() {
     setTimeout(connect, 1000);
   };
 }
-function lamp(text, kind) { $("link").textContent = text; $("link").className = "lamp " + kind; keys(); }
+function lamp(text, kind) {
+  $("link").textContent = text;
+  $("link").className = "lamp " + kind;
+  // What is below is the last that was seen, and looks so.
+  document.body.classList.toggle("gone", kind === "off");
+  keys();
+}
 
 function take(news) {
   if ("id" in news) {
@@ -53,10 +59,15 @@ function ask(word, value) {
 }
 async function press(word, value) {
   const answer = await ask(word, value);
-  const said = $("said");
-  said.className = answer.refused ? "no" : "";
-  said.textContent = answer.refused ? `${word}: ${answer.why}` :
-    `${word}${value === undefined ? "" : " " + (value instanceof Object ? JSON.stringify(value) : value)}: in cycle ${answer.cycle}`;
+  const plain = (value) => (value instanceof Object ? Object.values(value).map(plain).join(" ") : value);
+  say(answer.refused ? `${word}: ${answer.why}` : `${value === undefined ? word : word + " " + plain(value)}: in cycle ${answer.cycle}`, answer.refused);
+}
+// On a telephone it is said beside the keys that stay on the screen as well.
+function say(text, refused) {
+  for (const said of [$("said"), $("heard")]) {
+    said.className = refused ? "no" : "";
+    said.textContent = text;
+  }
 }
 
 const number = (value, digits) => (value === undefined || value === null ? "–" : Number(value.toFixed(digits)).toFixed(digits));
@@ -65,6 +76,7 @@ const clock = (s) => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStar
 const origin = () => state.origin_mm || state.machine?.origin_mm;
 
 function show(news) {
+  if (news.outcome === null) say("");
   if (news.machine || news.program) {
     const machine = state.machine || {}, program = state.program || {};
     $("machine").textContent = machine.name || "pitchlock";
@@ -119,7 +131,7 @@ function keys() {
   $("seat").textContent = mine ? "You hold the keys" : state.seat ? `${state.seat} holds the keys: you watch` : "Nobody holds the keys";
   $("take").textContent = mine ? "Give them back" : state.seat ? "Take over" : "Take the keys";
   $("take").disabled = !live;
-  for (const key of document.querySelectorAll("#tool-in,.keys button,.keys input,.knobs input")) key.disabled = !mine || !live || !!state.playback;
+  for (const key of document.querySelectorAll("#tool-in,.keys button,.keys input,.knobs input,.urgent button")) key.disabled = !mine || !live || !!state.playback;
   for (const key of document.querySelectorAll(".player button,.player input")) key.disabled = !mine || !live;
   hands();
 }
@@ -384,7 +396,10 @@ function draw() {
   const house = $("views");
   while (house.children.length > views.length) house.lastChild.remove();
   while (house.children.length < views.length) house.append(document.createElement("canvas"));
-  const here = state.axes?.map((axis) => axis.measured_mm);
+  // The part lies where it lies with the tool of the first pass, and each tool where it is at work on that.
+  const first = machine.origin_mm, now = state.origin_mm;
+  const moved = (name) => { const at = ["X", "Z"].indexOf(name); return first && now && at >= 0 ? first[at] - now[at] : 0; };
+  const here = state.axes?.map((axis) => axis.measured_mm + moved(axis.name));
   views.forEach(([right, up], number) => view(house.children[number], at(right), at(up), here, views.length > 1 ? 150 : 260));
 }
 function view(canvas, right, up, here, height) {
@@ -398,7 +413,7 @@ function view(canvas, right, up, here, height) {
   const colour = (name) => css.getPropertyValue("--" + name);
   pen.setTransform(scale, 0, 0, scale, 0, 0);
   pen.clearRect(0, 0, width, height);
-  const zero = origin() || [0, 0], stock = machine.stock, low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  const zero = machine.origin_mm || origin() || [0, 0], stock = machine.stock, low = [Infinity, Infinity], high = [-Infinity, -Infinity];
   const see = (h, v) => { low[0] = Math.min(low[0], h); high[0] = Math.max(high[0], h); low[1] = Math.min(low[1], v); high[1] = Math.max(high[1], v); };
   const turned = lathe() && stock ? stock.rows_mm.map(([z, r]) => [z + zero[1], r + zero[0]]) : [];
   turned.forEach(([z, r]) => see(z, r));

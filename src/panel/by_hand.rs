@@ -9,7 +9,7 @@ use super::{
     hand::{Given, Hand, NotGiven},
     live::Live,
     mode::{Doing, Mode, Press},
-    session::Who,
+    session::{Presses, Who},
     tables,
 };
 use crate::{error::CliError, run::Setup};
@@ -23,20 +23,14 @@ impl Live {
     }
 
     /// Takes what somebody asks of work by hand.
-    pub(super) fn takes_by_hand(
-        &mut self,
-        ticket: u64,
-        asked: &HandAsked,
-        items: &mut Vec<Item>,
-        requests: &mut Vec<Request>,
-    ) {
+    pub(super) fn takes_by_hand(&mut self, ticket: u64, asked: &HandAsked, taken: &mut Presses) {
         let press = match asked {
             HandAsked::On => Press::Hand,
             HandAsked::JogOn => Press::JogOn,
             HandAsked::Offset { .. } => Press::Table,
             HandAsked::Play(_) => Press::Play,
             HandAsked::From(_) => Press::From,
-            HandAsked::ToolIn(number) => return self.takes_tool(ticket, *number, requests),
+            HandAsked::ToolIn(number) => return self.takes_tool(ticket, *number, &mut taken.requests),
             _ => Press::Block,
         };
         let Some(hand) = self.hand.as_mut().filter(|_| self.mode.refuses(press).is_none()) else {
@@ -45,7 +39,7 @@ impl Live {
         };
         let mut send = |request, who| {
             self.session.sent(request, who);
-            requests.push(request);
+            taken.requests.push(request);
         };
         if press == Press::JogOn {
             return send(Request::Jog(true), Who::Panel(ticket));
@@ -56,8 +50,9 @@ impl Live {
                 let code = if press == Press::Table { "bad-offset" } else { "bad-block" };
                 self.refuse(ticket, code, &why);
             }
-            Ok(Given { items: given, jogs, text }) => {
-                items.extend(given);
+            Ok(Given { items, messages, jogs, text }) => {
+                taken.items.extend(items);
+                taken.messages.extend(messages);
                 // The key is pressed before the jog begins.
                 if jogs {
                     send(Request::Jog(true), Who::Keyboard);

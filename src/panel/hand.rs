@@ -13,20 +13,20 @@ use ::panel::HandAsked;
 use gcode::canon::Units;
 use interpreter::{ByHand as Reader, Language};
 use machine::{AxisConfig, Machine};
-use motion::Exit;
 use protocol::{Axis, ByHand, Code, CodePacket, Feed, Item, MachineState, PerAxis, Position};
-use rig::observe::Record;
+use rig::observe::{Message, Record};
 
-use super::{homing::InHand, lost::Lost, mode::Doing, tables::typed};
+use super::{
+    homing::InHand,
+    jog::{fastest_jog, feed},
+    lost::Lost,
+    mode::Doing,
+    tables::typed,
+};
 use crate::offsets::{Set, Table, Target};
 
-/// A jog comes to rest in so long, s: with the time for which its key stays pressed with nobody to confirm
-/// it, 0.08 s, and the way of a setpoint to the axis, less than 0.15 s.
-const JOG_STOPS_S: f64 = 0.05;
 /// Most bytes of a block on its way: what the pipe to the interpreter holds at once.
 const MOST_BYTES: usize = 48 << 10;
-/// Slowest jog, mm/min.
-const SLOWEST: f64 = 0.1;
 
 /// Work by hand at a machine that is on.
 pub(crate) struct Hand {
@@ -62,6 +62,8 @@ impl<T: Into<String>> From<T> for NotGiven {
 pub(crate) struct Given {
     /// For the interpreter's place.
     pub(crate) items: Vec<Item>,
+    /// What it tells its operator.
+    pub(crate) messages: Vec<Message>,
     /// It goes on while its key is pressed.
     pub(crate) jogs: bool,
     /// As it stands in the record.
@@ -255,7 +257,14 @@ impl Hand {
             self.reader.forget_last();
             return Err(NotGiven::NotReferenced(why));
         }
-        Ok(Given { items, jogs: false, text: text.trim().replace(['\n', '\r'], " / ") })
+        let told = self.reader.messages().iter();
+        let messages = told.map(|note| Message {
+            line: note.line,
+            after: self.steps + note.after,
+            text: note.text.clone(),
+        });
+        let (messages, text) = (messages.collect(), text.trim().replace(['\n', '\r'], " / "));
+        Ok(Given { items, messages, jogs: false, text })
     }
 
     /// One axis goes to a place.
@@ -274,7 +283,8 @@ impl Hand {
             _ => "in rapid motion".into(),
         };
         let text = format!("jog: {name} {what} {:.6} of the machine {fast}", to.mm());
-        Given { items: codes.map(|code| Item { line, code }).to_vec(), jogs, text }
+        let items = codes.map(|code| Item { line, code }).to_vec();
+        Given { items, messages: Vec::new(), jogs, text }
     }
 
     /// The reference run of an axis.
@@ -283,7 +293,7 @@ impl Hand {
         let codes = [ByHand::Begins { at: *at, jogs: false }, ByHand::References(axis), ByHand::Waits];
         let items = codes.map(|code| Item { line, code: Code::ByHand(code) }).to_vec();
         let text = format!("reference run: {}", axis.name().to_ascii_uppercase());
-        Given { items, jogs: false, text }
+        Given { items, messages: Vec::new(), jogs: false, text }
     }
 
     /// The block that turns the spindle at a speed, 1/min; negative counterclockwise.
@@ -372,25 +382,4 @@ fn has_tape_mark(line: &str) -> bool {
 fn decimal(value: f64) -> String {
     let text = format!("{value:.9}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// A feed of a jog.
-fn feed(mm_min: f64, most: f64) -> Result<Feed, String> {
-    if (SLOWEST..=most).contains(&mm_min) {
-        return Ok(Feed::PerMinute(mm_min));
-    }
-    Err(format!("{mm_min} is no feed of this jog: {SLOWEST} to {most:.0} mm/min"))
-}
-
-/// The fastest jog of an axis that comes to rest soon enough, mm/min, in whole tens: a hold on its path takes
-/// the law of smoothest braking within a, j and the rate of jerk of the axis.
-pub(crate) fn fastest_jog(config: &AxisConfig) -> f64 {
-    let limits = config.limits();
-    let (mut low, mut high) = (0.0, config.velocity_mm_s);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        let soon = Exit::stop_s(middle, 0.0, &limits) <= JOG_STOPS_S;
-        (low, high) = if soon { (middle, high) } else { (low, middle) };
-    }
-    (6.0 * low).floor() * 10.0
 }

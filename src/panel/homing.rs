@@ -42,6 +42,10 @@ pub(super) enum Asked {
     ByHand(Option<Axis>),
 }
 
+/// An axis goes if it is faster: one that comes to rest may be commanded a billionth of a millimetre past its
+/// place and back. No way of a run is as slow.
+const GOES_MM_S: f64 = 5e-4;
+
 /// How far a reference run has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
@@ -114,8 +118,8 @@ impl Homing {
             Some((run, phase)) => {
                 let speed = of(run.axis).map_or(0.0, |status| status.velocity_mm_s * run.way);
                 let next = match phase {
-                    Phase::Search if speed < 0.0 => Phase::BackOff,
-                    Phase::BackOff if speed > 0.0 => Phase::Latch,
+                    Phase::Search if speed < -GOES_MM_S => Phase::BackOff,
+                    Phase::BackOff if speed > GOES_MM_S => Phase::Latch,
                     phase => phase,
                 };
                 Some((run, next))
@@ -244,8 +248,15 @@ mod tests {
             for (place, lost, words, left) in [
                 ([101.0, 0.0], true, "reference run of X: fast to its switch", unknown),
                 ([90.0, -40.0], true, "reference run of X: fast to its switch", unknown),
+                // It is held there, and goes on.
+                ([89.0, 9e-7], true, "reference run of X: fast to its switch", unknown),
+                ([89.0, -4e-6], true, "reference run of X: fast to its switch", unknown),
+                ([89.0, 0.0], true, "reference run of X: fast to its switch", unknown),
+                ([88.0, -40.0], true, "reference run of X: fast to its switch", unknown),
                 ([75.0, 0.0], true, "reference run of X: fast to its switch", unknown),
                 ([75.5, 20.0], true, "reference run of X: off its switch", unknown),
+                ([76.5, -9e-7], true, "reference run of X: off its switch", unknown),
+                ([76.5, 3e-6], true, "reference run of X: off its switch", unknown),
                 ([76.5, 0.0], true, "reference run of X: off its switch", unknown),
                 ([75.5, -2.0], true, "reference run of X: slowly to the index behind its switch", unknown),
                 (

@@ -7,13 +7,14 @@ use ::panel::{MachineSeen, Point, ProgramSeen};
 use interpreter::Language;
 use machine::Machine;
 use process::shell::Pace;
-use protocol::{MachineState, MachineStatus, PerAxis};
+use protocol::{Axis, MachineState, MachineStatus, PerAxis};
 use rig::observe::{Observer, Record};
 
 use super::{
-    hand::fastest_jog,
     homing::{Asked, Homing, InHand},
+    jog::fastest_jog,
     plan::Plan,
+    view,
 };
 use crate::{program::Program, run::Setup};
 
@@ -58,8 +59,43 @@ pub(crate) struct Known {
     /// Torque, N·m, and power, kW, of the motor of the spindle.
     spindle_peak: [f64; 2],
     pub(super) tool_names: BTreeMap<u32, String>,
-    /// X and Z of the machine where those of the program are 0, by tool, and by pass.
-    origins_mm: [BTreeMap<u32, [f64; 2]>; 2],
+    origins: Origins,
+    /// Whether the machine waits for a start, and in which cycle it went on last: what was said before that is
+    /// done.
+    waits: bool,
+    pub(super) went_on: u64,
+}
+
+/// X and Z of the machine where those of the program are 0, mm.
+#[derive(Debug, Default)]
+struct Origins {
+    by_tool: BTreeMap<u32, [f64; 2]>,
+    by_pass: BTreeMap<u32, [f64; 2]>,
+    /// Where the part is drawn.
+    first: Option<[f64; 2]>,
+}
+
+impl Origins {
+    /// Of a program that was checked.
+    fn of(program: &Program) -> Origins {
+        let Some(check) = &program.check else { return Origins::default() };
+        let by_tool = check.origins_mm.clone();
+        let first = check.passes.first().map(|note| note.origin_mm).or(by_tool.values().next().copied());
+        let by_pass = check.passes.iter().map(|note| (note.pass, note.origin_mm)).collect();
+        Origins { by_tool, by_pass, first }
+    }
+
+    /// In a pass, else with a tool.
+    fn at(&self, pass: Option<u32>, tool: u32) -> Option<[f64; 2]> {
+        pass.and_then(|pass| self.by_pass.get(&pass)).or_else(|| self.by_tool.get(&tool)).copied()
+    }
+
+    /// A place, so that the part lies where it is drawn, whichever tool is at work there.
+    fn drawn(&self, place: &mut PerAxis<f64>, pass: Option<u32>, tool: u32) {
+        let (Some(first), Some(now)) = (self.first, self.at(pass, tool)) else { return };
+        place[Axis::X.index()] += first[0] - now[0];
+        place[Axis::Z.index()] += first[1] - now[1];
+    }
 }
 
 impl Known {
@@ -68,12 +104,11 @@ impl Known {
         let Shown { machine, program, path, language, .. } = *run;
         let items = program.items(path, language, machine);
         let items = items.into_iter().flatten().map_while(Result::ok);
-        let (plan, way) = Plan::of(items, machine, program.time_s);
+        let origins = Origins::of(program);
+        let drawn = |place: &mut _, pass, tool| origins.drawn(place, pass, tool);
+        let (plan, way) = Plan::of(items, machine, program.time_s, drawn);
         let mut torque_limit_nm = PerAxis::default();
         machine.axes().for_each(|(axis, config)| torque_limit_nm[axis.index()] = config.torque_limit_nm);
-        let check = program.check.as_ref();
-        let by_tool = check.map(|check| check.origins_mm.clone()).unwrap_or_default();
-        let by_pass = check.iter().flat_map(|check| &check.passes).map(|note| (note.pass, note.origin_mm));
         let named =
             machine.tools.iter().map(|(number, tool)| Some((number.parse().ok()?, tool.name.clone())));
         let known = Known {
@@ -84,13 +119,19 @@ impl Known {
             torque_limit_nm,
             spindle_peak: sim_plant::spindle_peak(machine).unwrap_or_default(),
             tool_names: named.flatten().collect(),
-            origins_mm: [by_tool, by_pass.collect()],
+            origins,
+            waits: false,
+            went_on: 0,
         };
         (known, way)
     }
 
     /// One control cycle; `given` is what is in hand of what somebody gives by hand.
     pub(super) fn cycle(&mut self, record: &Record, given: Option<InHand>) {
+        let waits = record.machine.state().waits_for_start();
+        if std::mem::replace(&mut self.waits, waits) && !waits {
+            self.went_on = record.truth.cycle.0;
+        }
         match (given, self.plan.by_hand) {
             (Some(given), _) => self.homing.by_hand(record, given),
             // A session that is made again.
@@ -112,21 +153,31 @@ impl Known {
     /// X and Z of the machine at which those of the program are 0, where that is known: in a pass, else with
     /// the tool in hand.
     pub(super) fn origin_mm(&self, machine: &MachineStatus) -> Option<[f64; 2]> {
-        let [by_tool, by_pass] = &self.origins_mm;
-        let of_pass = by_pass.get(&machine.pass).filter(|_| machine.state() == MachineState::Threading);
-        of_pass.or_else(|| by_tool.get(&machine.tool)).copied()
+        self.origins.at(pass_in_hand(machine), machine.tool)
     }
+
+    /// Where the tool is drawn, by what is measured: where an axis truly is, nobody at a machine sees.
+    pub(super) fn place(&self, record: &Record) -> Point {
+        let (mut place, machine) = (PerAxis::default(), record.machine);
+        for (axis, status) in record.axes {
+            place[axis.index()] = status.commanded_mm - status.servo_error_mm;
+        }
+        self.origins.drawn(&mut place, pass_in_hand(machine), machine.tool);
+        let at = record.axes.iter().map(|(axis, _)| place[axis.index()] as f32);
+        (at.collect(), view::kind(record))
+    }
+}
+
+/// The pass that is in hand.
+fn pass_in_hand(machine: &MachineStatus) -> Option<u32> {
+    (machine.state() == MachineState::Threading).then_some(machine.pass)
 }
 
 /// What stays the same during a run.
 pub(super) fn stays(run: &Shown, observer: &Observer) -> (ProgramSeen, MachineSeen) {
     let Shown { machine, program, path, folder, .. } = *run;
     let text = intake::text(path, MOST_TEXT).ok();
-    let notes = program.check.as_ref();
-    let origin_mm = notes.and_then(|check| {
-        let of_pass = check.passes.first().map(|note| note.origin_mm);
-        of_pass.or_else(|| check.origins_mm.values().next().copied())
-    });
+    let origin_mm = Origins::of(program).first;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let program = ProgramSeen {
         name,
@@ -161,4 +212,31 @@ pub(super) fn machine_seen(machine: &Machine, pace: Pace) -> MachineSeen {
 fn flanks_deg(machine: &Machine) -> BTreeMap<u32, f64> {
     let of = machine.tools.iter().filter_map(|(number, tool)| Some((number.parse().ok()?, tool.angle_deg?)));
     std::iter::once((0, 2.0 * machine.threading.flank_half_angle_deg)).chain(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two tools with different offsets turn the same place of the part: it is drawn there for both.
+    #[test]
+    fn each_tool_is_drawn_where_it_is_at_work() {
+        let origins = Origins {
+            by_tool: BTreeMap::from([(1, [10.0, 50.0]), (3, [8.65, 54.2])]),
+            by_pass: BTreeMap::from([(1, [8.65, 54.2]), (2, [8.65, 55.7])]),
+            first: Some([8.65, 54.2]),
+        };
+        let drawn = |x: f64, z: f64, pass, tool| {
+            let mut place = PerAxis::default();
+            (place[Axis::X.index()], place[Axis::Z.index()]) = (x, z);
+            origins.drawn(&mut place, pass, tool);
+            [place[Axis::X.index()], place[Axis::Z.index()]].map(|mm| (1e6 * mm).round() / 1e6)
+        };
+        // X 9.91 and Z -14 of the program, with each of them; then in a pass whose zero lies elsewhere.
+        let wanted = [8.65 + 9.91, 54.2 - 14.0];
+        assert_eq!(drawn(10.0 + 9.91, 50.0 - 14.0, None, 1), wanted);
+        assert_eq!(drawn(8.65 + 9.91, 54.2 - 14.0, None, 3), wanted);
+        assert_eq!(drawn(8.65 + 9.91, 55.7 - 14.0, Some(2), 3), wanted);
+        assert_eq!(drawn(1.0, 2.0, None, 7), [1.0, 2.0], "nothing is known of that tool");
+    }
 }

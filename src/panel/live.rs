@@ -5,7 +5,7 @@ use std::{os::fd::BorrowedFd, path::Path, time::Duration};
 
 use ::panel::{MachineSeen, Point, ProgramSeen, ToPanel};
 use process::ipc::time::{Moment, sleep_until};
-use protocol::{Arrival, Input, Item, Taken, operator::Request};
+use protocol::{Arrival, Input, Taken, operator::Request};
 use rig::observe::{Observer, Record, Summary};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -15,11 +15,11 @@ use super::{
     known::Known,
     mode::{Mode, Press},
     scope::Rows,
-    session::{Session, Who, request},
+    session::{Presses, Session, Who, request},
     tables::Tables,
     tool::Change,
     view::{self, Counts},
-    web::Web,
+    web::{Web, in_a_hall},
 };
 use crate::{error::CliError, run::folder::PRESSES};
 
@@ -172,7 +172,7 @@ impl Live {
         }
         self.draw();
         let (still, last, mode) = (&self.still, &self.last, self.mode);
-        self.web.is_asked(|| view::in_a_hall(still, last, mode));
+        self.web.is_asked(|| in_a_hall(still, last, mode));
         // What is on its way goes on.
         self.web.link.is_free();
     }
@@ -212,7 +212,7 @@ impl Live {
         if !(last || cycle.is_multiple_of(EVERY)) {
             return;
         }
-        let place = view::place(record);
+        let place = self.known.place(record);
         let far = |(before, kind): &Point| {
             *kind != place.1 || before.iter().zip(&place.0).any(|(one, other)| (one - other).abs() > FAR_MM)
         };
@@ -242,15 +242,15 @@ impl Live {
     fn takes_a_turn(&mut self, record: &Record) {
         let now = record.truth.spindle_deg / 360.0;
         let Some((turns, from)) = self.turned.take() else {
-            self.turned = view::is_in_pass(record).then(|| (now, view::place(record)));
+            self.turned = view::is_in_pass(record).then(|| (now, self.known.place(record)));
             return;
         };
         if turns.floor() == now.floor() && view::is_in_pass(record) {
             // The line from here to where the index goes by is as straight as one cycle.
-            self.turned = Some((now, view::place(record)));
+            self.turned = Some((now, self.known.place(record)));
             return;
         }
-        let place = view::place(record);
+        let place = self.known.place(record);
         if place.1 == view::IN_PASS {
             let share = ((turns.floor().max(now.floor()) - turns) / (now - turns)) as f32;
             let at = from.0.iter().zip(&place.0).map(|(one, other)| one + share * (other - one));
@@ -293,11 +293,10 @@ impl Live {
         self.web.link.waits()
     }
 
-    /// Looks after the panel, and takes what was pressed: machine code by hand, and what is to be sent to the
-    /// plant behind it.
-    pub(crate) fn presses(&mut self) -> (Vec<Item>, Vec<Request>) {
+    /// Looks after the panel, and takes what was pressed.
+    pub(crate) fn presses(&mut self) -> Presses {
         self.look();
-        let (mut items, mut requests) = (Vec::new(), Vec::new());
+        let mut taken = Presses::default();
         for _ in 0..MOST_PRESSES {
             let Some(press) = self.web.link.press() else { break };
             if self.session.waiting() + REQUESTS_OF_A_PRESS > MOST_WAITING {
@@ -305,7 +304,7 @@ impl Live {
                 continue;
             }
             if let Some(asked) = &press.hand {
-                self.takes_by_hand(press.ticket, asked, &mut items, &mut requests);
+                self.takes_by_hand(press.ticket, asked, &mut taken);
                 continue;
             }
             let wanted = request(press.kind, press.value);
@@ -313,7 +312,7 @@ impl Live {
             match (wanted, starts.then(|| self.mode.refuses(Press::Start)).flatten()) {
                 (Some(request), None) => {
                     self.session.sent(request, Who::Panel(press.ticket));
-                    requests.push(request);
+                    taken.requests.push(request);
                 }
                 (_, Some(why)) => {
                     let over = matches!(self.mode, Mode::Stopping | Mode::Faulted);
@@ -322,7 +321,7 @@ impl Live {
                 (None, None) => self.refuse(press.ticket, "unknown", "the machine has no such key"),
             }
         }
-        (items, requests)
+        taken
     }
 
     pub(super) fn refuse(&mut self, ticket: u64, code: &str, why: &str) {

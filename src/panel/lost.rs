@@ -6,7 +6,7 @@ use machine::{AxisConfig, General, Method};
 use protocol::{Axis, Position};
 use rig::observe::Record;
 
-use super::hand::fastest_jog;
+use super::jog::fastest_jog;
 
 /// Those axes, and whether each stands on its switch.
 #[derive(Debug, Default)]
@@ -30,9 +30,12 @@ impl Lost {
     /// Why nothing moves but jogs, if there are such axes.
     pub(super) fn why(&self) -> Option<String> {
         let names: Vec<_> = self.0.iter().map(|(axis, _)| axis.name().to_ascii_uppercase()).collect();
-        (!names.is_empty()).then(|| {
-            let (names, is) = (names.join(" and "), if names.len() > 1 { "are" } else { "is" });
-            format!("{names} {is} not referenced, and only jogs: press Home of it first")
+        (!names.is_empty()).then(|| match &names[..] {
+            [name] => format!("{name} is not referenced and can only be jogged: press Home of it first"),
+            _ => format!(
+                "{} are not referenced and can only be jogged: press Home of each first",
+                names.join(" and ")
+            ),
         })
     }
 

@@ -5,6 +5,7 @@ mod args;
 mod by_hand;
 pub(crate) mod hand;
 mod homing;
+mod jog;
 mod known;
 mod live;
 mod lost;
@@ -50,7 +51,7 @@ use known::{Known, MOST_TEXT, Shown, machine_seen, stays};
 pub(crate) use live::Live;
 use live::fields;
 pub(crate) use mode::Mode;
-pub(crate) use session::Who;
+pub(crate) use session::{Presses, Who};
 pub(crate) use terminal::{CTRL_C, LOOK};
 pub(crate) use web::Server;
 
@@ -159,7 +160,7 @@ fn at_the_machine(
     } else {
         "switch it on, to work by hand".into()
     };
-    let mut said = hint.clone();
+    let (mut said, mut used) = (hint.clone(), false);
     live.loads(asked, loaded.then_some(&program), &name);
     loop {
         live.shows_tables(live.tables.kept());
@@ -177,7 +178,9 @@ fn at_the_machine(
             }
             sleep_until(Moment::now().after(IDLE));
         };
+        let out = asked.out.as_deref().map(|out| next(out, used));
         let ended = if wish == Wish::Hand {
+            let by_hand = RunArgs { out: out.clone(), ..by_hand.clone() };
             let ended = one_run(&by_hand, quiet, &mut interrupts, &mut live);
             // What was by hand is over, and the program is what start starts.
             live.loads(asked, loaded.then_some(&program), &name);
@@ -185,9 +188,10 @@ fn at_the_machine(
         } else {
             // The start behind this one begins at the beginning.
             let from = std::mem::take(&mut begins);
-            let begun = RunArgs { from: from.line, ..asked.clone() };
+            let begun = RunArgs { from: from.line, out: out.clone(), ..asked.clone() };
             from.is_as_shown(asked).and_then(|()| one_run(&begun, quiet, &mut interrupts, &mut live))
         };
+        used |= out.is_some_and(|out| out.exists());
         said = match ended {
             Ok(()) => hint.clone(),
             Err(error) => {
@@ -197,6 +201,17 @@ fn at_the_machine(
         };
         interrupts.iter_mut().for_each(Interrupts::forget);
     }
+}
+
+/// The run folder of the next run: the one that was named, and once that is used `OUT-2` and so on.
+fn next(out: &Path, used: bool) -> PathBuf {
+    let numbered = |number: u32| {
+        let mut name = out.as_os_str().to_owned();
+        name.push(format!("-{number}"));
+        PathBuf::from(name)
+    };
+    let mut more = (2..).map(numbered).filter(|path| !path.exists());
+    more.next().filter(|_| used).unwrap_or_else(|| out.to_owned())
 }
 
 /// One run, from its beginning to its end.

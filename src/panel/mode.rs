@@ -135,7 +135,9 @@ impl Mode {
             (_, Press::From) => Some("the machine is on: where a start begins is said while it is off"),
             (_, Press::Tool) => Some("no tool is waited for"),
             (ToolChange, Press::Start) => Some("a tool is waited for: tool-change says that it is in"),
-            (ToolChange, Press::Block | Press::Table) => Some("a tool is waited for: wait for its end"),
+            (ToolChange, Press::Block | Press::Table) => {
+                Some("a tool is waited for: say that it is in, or stop")
+            }
             (Ready, Press::Start) => Some("nothing is held: give a block, or jog"),
             (Jog, Press::Start) => Some("a jog goes on while its key is pressed"),
             (_, Press::Hand) => Some("the machine is on"),
@@ -146,7 +148,7 @@ impl Mode {
             }
             (Mdi | Jog, Press::Block | Press::Table) => Some("a block is in hand: wait for its end"),
             (Held, Press::Table) => Some("the machine is held: offsets are set when it is ready, or off"),
-            (Held, Press::Block) => Some("the machine is held: start goes on"),
+            (Held, Press::Block) => Some("the machine is held: start goes on, stop ends what is in hand"),
             (_, Press::Always) | (Auto | Mdi | Held, Press::Start) => None,
         }
     }

@@ -45,22 +45,32 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Looks at the machine code of a program that takes so long.
+    /// Looks at the machine code of a program that takes so long. `drawn` moves a place of the machine to where
+    /// it is drawn, in a pass, else with a tool.
     pub(crate) fn of(
         items: impl Iterator<Item = Item>,
         machine: &Machine,
         time_s: f64,
+        drawn: impl Fn(&mut PerAxis<f64>, Option<u32>, u32),
     ) -> (Plan, Vec<Point>) {
         let axes: Vec<Axis> = machine.axes().map(|(axis, _)| axis).collect();
         let (mut plan, mut at, mut steps) = (Plan { time_s, ..Plan::default() }, machine.home(), 0);
         let mut way = vec![point(&axes, &at.map(Position::mm), 0)];
-        let mut left = MOST_ITEMS;
+        let (mut left, mut tool) = (MOST_ITEMS, 0);
         let items = items.take_while(|_| {
             left = left.saturating_sub(1);
             left > 0
         });
         interpreter::with_times(items, machine, |item, [begins_s, time_s]| {
-            places(item, &at, |place, kind| way.push(point(&axes, place, kind)));
+            if let Code::Tool { number } = item.code {
+                tool = number;
+            }
+            let pass = if let Code::Pass(pass) = &item.code { Some(pass.pass) } else { None };
+            places(item, &at, |place, kind| {
+                let mut place = *place;
+                drawn(&mut place, pass, tool);
+                way.push(point(&axes, &place, kind));
+            });
             at = end(item, &at);
             steps += item.steps();
             plan.by_hand |= plan.stops.is_empty() && matches!(item.code, Code::ByHand(_));
@@ -194,7 +204,7 @@ mod tests {
         let machine = Machine::default();
         let text = "G21 G90 G94\nG0 X20 Z2\nG1 Z-10 F600\nX30\nG4 P2\nG0 Z5\nM2\n";
         let check = interpreter::check("plan.ngc", text, &machine);
-        let (plan, way) = Plan::of(check.items.iter().copied(), &machine, check.time_s);
+        let (plan, way) = Plan::of(check.items.iter().copied(), &machine, check.time_s, |_, _, _| {});
         (plan, way, check.time_s)
     }
 

@@ -4,10 +4,22 @@
 
 use std::{collections::VecDeque, fmt::Write as _};
 
-use protocol::{OperatorRequest, operator::Request};
+use protocol::{Item, OperatorRequest, operator::Request};
+use rig::observe::Message;
 
 /// Most presses that are kept: one in every tenth of a second of a working day, and more.
 const MOST: usize = 1 << 19;
+
+/// What was pressed, for the machine.
+#[derive(Default)]
+pub(crate) struct Presses {
+    /// Machine code by hand.
+    pub(crate) items: Vec<Item>,
+    /// What that tells its operator.
+    pub(crate) messages: Vec<Message>,
+    /// What is sent to the plant behind it.
+    pub(crate) requests: Vec<Request>,
+}
 
 /// Who pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]

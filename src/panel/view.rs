@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Point, Seen, SpindleSeen};
+use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Seen, SpindleSeen};
 use machine::{AxisConfig, Machine};
 use protocol::{Axis, AxisState, MachineState, MachineStatus, Motion, Panel};
 use rig::observe::{FaultReport, MessageReport, Observer, PassEnd, PassReport, Record, Summary};
@@ -64,7 +64,13 @@ pub(super) fn ended(
 pub(super) fn part(summary: &Summary, folder: &Path) -> Value {
     let groove = summary.groove.iter().map(|groove| groove.sentence());
     let gauges = summary.gauged().iter().map(|gauge| gauge.sentence());
-    let reasons = summary.part.reasons.iter().map(|reason| format!("not good: {reason}"));
+    // What a gauge says against it is said once.
+    let by_gauge = |reason: &str| {
+        let of = |name: &str| reason.strip_prefix(name).is_some_and(|rest| rest.starts_with(": "));
+        summary.gauged().iter().any(|gauge| of(&gauge.name))
+    };
+    let reasons = summary.part.reasons.iter().filter(|reason| !by_gauge(reason));
+    let reasons = reasons.map(|reason| format!("not good: {reason}"));
     let report = folder.join("report.html").display().to_string();
     let words: Vec<_> = groove.chain(gauges).chain(reasons).collect();
     json!({ "verdict": summary.part.verdict, "words": words, "report": report })
@@ -133,7 +139,7 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
         tool: machine.tool,
         tool_name,
         origin_mm: known.origin_mm(machine),
-        prompt: prompt(machine, observer),
+        prompt: prompt(machine, observer, known),
         cutting: observer.pass_so_far().map(|pass| PassSeen { end: "now".into(), ..pass_seen(&pass) }),
         coolant: coolant(machine).into(),
         passes: lists.then(|| passes(observer.passes())),
@@ -153,8 +159,11 @@ fn goes(machine: &MachineStatus) -> bool {
 }
 
 /// What the program said right before the pause that it waits at.
-fn prompt(machine: &MachineStatus, observer: &Observer) -> Option<String> {
+fn prompt(machine: &MachineStatus, observer: &Observer, known: &Known) -> Option<String> {
     let told = observer.told().last().filter(|_| machine.state().waits_for_start())?;
+    if told.cycle < known.went_on {
+        return None;
+    }
     (told.line..=told.line.saturating_add(PROMPT_LINES)).contains(&machine.line).then(|| told.text.clone())
 }
 
@@ -263,14 +272,25 @@ fn words(record: &Record, tool_name: &str, homing: &Homing) -> (&'static str, St
             said("ready", homing.words().unwrap_or_else(|| format!("between two blocks, line {line}")))
         }
         MachineState::Moving => match machine.motion() {
-            Motion::Rapid => said("rapid", homing.words().unwrap_or_else(|| format!("rapid, line {line}"))),
-            _ => said("moving", homing.words().unwrap_or_else(|| format!("feed, line {line}"))),
+            Motion::Rapid => said(
+                "rapid",
+                homing.words().unwrap_or_else(|| format!("rapid, line {line}{}", stands(record))),
+            ),
+            _ => said(
+                "moving",
+                homing.words().unwrap_or_else(|| format!("feed, line {line}{}", stands(record))),
+            ),
         },
         MachineState::Waiting => said("waiting", format!("waits for the spindle, or dwells, line {line}")),
-        MachineState::Threading => said("threading", format!("{}, line {line}", in_words(axes, pass))),
+        MachineState::Threading => {
+            said("threading", format!("{}, line {line}{}", in_words(axes, pass), stands(record)))
+        }
         MachineState::Paused => match homing.axis() {
             Some(axis) => {
                 said("paused", format!("single block: start goes on with the reference run of {axis}"))
+            }
+            None if panel.pressed(Panel::SINGLE_BLOCK) => {
+                said("paused", format!("single block, line {line}: start goes on"))
             }
             None => said("paused", format!("line {line} is a pause: start goes on")),
         },
@@ -278,6 +298,23 @@ fn words(record: &Record, tool_name: &str, homing: &Homing) -> (&'static str, St
         MachineState::ByHand => said("by-hand", "ready: jog, or give a block".into()),
         MachineState::Ended => said("ended", "the program is over".into()),
         MachineState::Fault => said("fault", "fault".into()),
+    }
+}
+
+/// What is turned down to nothing, if that is why nothing moves.
+fn stands(record: &Record) -> &'static str {
+    let (panel, machine) = (&record.truth.measurement.panel, record.machine);
+    match (machine.state(), machine.motion()) {
+        (MachineState::Threading, _) if machine.spindle_override_pct == 0.0 => {
+            "; the spindle stands: its override is 0 %"
+        }
+        (MachineState::Moving, Motion::Rapid) if panel.rapid_override_pct == 0.0 => {
+            "; it stands: the rapid override is 0 %"
+        }
+        (MachineState::Moving, Motion::Feed) if machine.feed_override_pct == 0.0 => {
+            "; it stands: the feed override is 0 %"
+        }
+        _ => "",
     }
 }
 
@@ -308,31 +345,43 @@ pub(super) fn is_in_pass(record: &Record) -> bool {
     record.axes.iter().any(|(_, status)| status.state().has_begun())
 }
 
-/// The place of the tool in this cycle, as it is measured: where an axis truly is, nobody at a machine sees.
-pub(super) fn place(record: &Record) -> Point {
-    let in_pass = is_in_pass(record);
-    let kind = match (in_pass, record.machine.motion()) {
+/// How the tool goes in this cycle, as in a [`Point`].
+pub(super) fn kind(record: &Record) -> u8 {
+    match (is_in_pass(record), record.machine.motion()) {
         (true, _) => IN_PASS,
         (false, Motion::Feed) => 1,
         (false, _) => 0,
-    };
-    let at = record.axes.iter().map(|(_, status)| (status.commanded_mm - status.servo_error_mm) as f32);
-    (at.collect(), kind)
+    }
 }
 
-/// What a hall sees of a machine at which somebody stands: of what was shown last.
-pub(super) fn in_a_hall(still: &Map<String, Value>, last: &Map<String, Value>, mode: Mode) -> Value {
-    if mode == Mode::Off {
-        return json!({ "mode": mode.name(), "panel": true });
+#[cfg(test)]
+mod tests {
+    use protocol::Truth;
+
+    use super::*;
+
+    #[test]
+    fn what_is_turned_down_to_nothing_is_said_where_it_stands_for_that() {
+        let said = |state: MachineState, motion: Motion, overrides: [f64; 3]| {
+            let [spindle_override_pct, feed_override_pct, rapid] = overrides;
+            let mut truth = Truth::default();
+            truth.measurement.panel.rapid_override_pct = rapid;
+            let machine = MachineStatus {
+                state: state as u32,
+                motion: motion as u32,
+                spindle_override_pct,
+                feed_override_pct,
+                ..MachineStatus::default()
+            };
+            stands(&Record { truth: &truth, axes: &[], machine: &machine })
+        };
+        let (threading, moving) = (MachineState::Threading, MachineState::Moving);
+        assert!(said(threading, Motion::Feed, [0.0, 100.0, 100.0]).contains("spindle"));
+        assert!(said(moving, Motion::Feed, [100.0, 0.0, 100.0]).contains("feed"));
+        assert!(said(moving, Motion::Rapid, [100.0, 100.0, 0.0]).contains("rapid"));
+        for (state, motion) in [(threading, Motion::Feed), (moving, Motion::Feed), (moving, Motion::Rapid)] {
+            assert_eq!(said(state, motion, [100.0; 3]), "");
+        }
+        assert_eq!(said(moving, Motion::Feed, [0.0, 100.0, 0.0]), "", "neither is why");
     }
-    let of = |name: &str| last.get(name).or_else(|| still.get(name)).cloned().unwrap_or(Value::Null);
-    json!({
-        "mode": mode.name(),
-        "panel": true,
-        "program": of("program")["name"],
-        "cycle": of("cycle"),
-        "time_s": of("time_s"),
-        "line": of("line"),
-        "faults": of("faults"),
-    })
 }

@@ -22,9 +22,9 @@ use std::{
 
 use ::panel::{Link, ToPanel};
 use process::ipc::time::{Moment, sleep_until};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use super::args::PanelArgs;
+use super::{args::PanelArgs, mode::Mode};
 use crate::{error::CliError, screen, words};
 
 /// A panel that has died is not started again before so long.
@@ -210,4 +210,21 @@ fn begun(server: &mut Server) -> std::io::Result<Link> {
     let mut link = Link::new(ours)?;
     link.offer(&server.first());
     Ok(link)
+}
+
+/// What a hall sees of a machine at which somebody stands: of what was shown last.
+pub(super) fn in_a_hall(still: &Map<String, Value>, last: &Map<String, Value>, mode: Mode) -> Value {
+    if mode == Mode::Off {
+        return json!({ "mode": mode.name(), "panel": true });
+    }
+    let of = |name: &str| last.get(name).or_else(|| still.get(name)).cloned().unwrap_or(Value::Null);
+    json!({
+        "mode": mode.name(),
+        "panel": true,
+        "program": of("program")["name"],
+        "cycle": of("cycle"),
+        "time_s": of("time_s"),
+        "line": of("line"),
+        "faults": of("faults"),
+    })
 }

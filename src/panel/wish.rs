@@ -6,10 +6,10 @@ use std::fs;
 
 use ::panel::{HandAsked, ToPanel};
 use protocol::operator::Request;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::{
-    live::Live,
+    live::{Live, fields},
     mode::{Mode, Press},
 };
 use crate::{
@@ -106,6 +106,10 @@ impl Live {
                 Err(why) => self.refuse(press.ticket, "not-running", why),
                 Ok(Wish::From(ticket, line)) => return Some(Wish::From(ticket, line)),
                 Ok(wish) => {
+                    // Whoever has the answer sees nothing of the run before any more.
+                    let begins = json!({ "state": "starting", "words": "the run is made ready", "outcome": null, "part": null });
+                    self.stands(fields(&begins));
+                    self.look();
                     self.web.link.answer(&ToPanel::Taken { ticket: press.ticket, cycle: 0 });
                     return Some(wish);
                 }

@@ -27,7 +27,7 @@ use super::{
 };
 use crate::{
     error::CliError,
-    panel::{Live, Who, hand},
+    panel::{Live, Presses, Who, hand},
 };
 
 /// How long the launcher sleeps when nobody wakes it.
@@ -200,12 +200,13 @@ impl Launch<'_> {
 
     /// Takes what was pressed at the panel.
     fn look_at_the_panel(&mut self) -> Result<(), CliError> {
-        let (given, pressed) = self.live.as_mut().map(|live| live.presses()).unwrap_or_default();
+        let Presses { items, messages, requests } =
+            self.live.as_mut().map(|live| live.presses()).unwrap_or_default();
         if let Some(gives) = &mut self.by_hand {
-            gives.give(&given);
-            self.recorder.gives(&given);
+            gives.give(&items);
+            self.recorder.gives(&items, messages);
         }
-        pressed.into_iter().try_for_each(|request| self.ask(Some(request), None))
+        requests.into_iter().try_for_each(|request| self.ask(Some(request), None))
     }
 
     fn look_at_the_keyboard(&mut self) -> Result<(), CliError> {

@@ -11,7 +11,7 @@ use machine::Machine;
 use process::shell::{Clock, Pace};
 use protocol::{Axis, Input, Item, Taken};
 use rig::{
-    observe::{Observer, Record, Summary},
+    observe::{Message, Observer, Record, Summary},
     replay::{Arrivals, Collector},
     trace::{Row, TraceWriter},
 };
@@ -138,8 +138,8 @@ impl Recorder {
     }
 
     /// Something is given by hand.
-    pub(crate) fn gives(&mut self, items: &[Item]) {
-        self.observer.gives(items);
+    pub(crate) fn gives(&mut self, items: &[Item], messages: Vec<Message>) {
+        self.observer.gives(items, messages);
     }
 
     /// What has been observed so far.

@@ -29,6 +29,14 @@ const OFF: [&str; 2] = ["off", "playback"];
 /// What somebody may want of a machine that he does not see.
 const UNSEEN: [&str; 4] = ["hold", "stop", "abort", "emergency-stop"];
 
+/// Whether a key acts in a terminal that is too small to show what it does.
+pub(crate) fn acts_unseen(does: Does) -> bool {
+    match does {
+        Does::Ask(word) => UNSEEN.contains(&word),
+        does => matches!(does, Does::Leave | Does::End),
+    }
+}
+
 /// What a key leads to beside requests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
@@ -168,11 +176,7 @@ impl Desk {
             return Act::Stay;
         }
         let Some(Key { does, .. }) = key else { return Act::Stay };
-        let unseen = match does {
-            Does::Ask(word) => UNSEEN.contains(word),
-            does => matches!(does, Does::Leave | Does::End),
-        };
-        if self.is_small && !unseen {
+        if self.is_small && !acts_unseen(*does) {
             let [width, height] = SMALLEST;
             let text = format!("this key acts where the machine is seen, on {width} by {height} characters");
             self.said = (true, text);

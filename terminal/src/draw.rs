@@ -11,7 +11,7 @@ use ratatui::{
 use serde_json::Value;
 
 use crate::{
-    desk::{Desk, SMALLEST, is_small, plain},
+    desk::{Desk, SMALLEST, acts_unseen, is_small, plain},
     keys::{Does, KEYS},
 };
 
@@ -19,6 +19,9 @@ use crate::{
 const LEFT: u16 = 54;
 /// Most rows of faults and messages.
 const TOLD: usize = 6;
+/// Most rows of what came of the last request, and so much of a row may be left free by a long word.
+const SAID: usize = 3;
+const WORD: u16 = 12;
 
 const BOLD: Style = Style::new().add_modifier(Modifier::BOLD);
 const DIM: Style = Style::new().add_modifier(Modifier::DIM);
@@ -34,15 +37,20 @@ pub fn draw(frame: &mut Frame, desk: &Desk) {
     if is_small(area.as_size()) {
         let [width, height] = SMALLEST;
         let need = format!("{width} by {height} characters at least; {}", desk.text("words"));
-        let rows = vec![Line::from(need), Line::styled(desk.said().1.to_owned(), BOLD)];
+        let acts = KEYS.iter().filter(|key| acts_unseen(key.does));
+        let acts: Vec<_> = acts.map(|key| format!("{} {}", key.name, key.words)).collect();
+        let rows = [need, format!("here act: {}", acts.join(", ")), desk.said().1.to_owned()]
+            .map(Line::from)
+            .to_vec();
         return frame.render_widget(Paragraph::new(rows).wrap(Wrap { trim: true }), area);
     }
     let (keys, told) = (keys(desk, area.width), messages(desk));
+    let typed = u16::from(desk.line().is_some()) + said_rows(desk, area.width);
     let rows = [
         Constraint::Length(4),
         Constraint::Fill(1),
         Constraint::Length(told.len().min(TOLD) as u16),
-        Constraint::Length(1),
+        Constraint::Length(typed.max(1)),
         Constraint::Length(keys.len() as u16),
     ];
     let [top, middle, below, typed, shown] = Layout::vertical(rows).areas(area);
@@ -267,10 +275,24 @@ fn program(desk: &Desk, area: Rect) -> Vec<Line<'static>> {
         .collect()
 }
 
-/// Faults with what to look at, then messages, the newest first.
+/// Of a run that is over, whether the part is good; faults with what to look at, then messages, the newest
+/// first.
 fn messages(desk: &Desk) -> Vec<Line<'static>> {
     let all = |field: &str| desk.field(field).as_array().cloned().unwrap_or_default();
-    let mut lines = vec![Line::styled("faults and messages", HEAD)];
+    let mut lines = Vec::new();
+    let part = desk.field("part");
+    if let Some(verdict) = part["verdict"].as_str() {
+        let (words, colour) = match verdict {
+            "good" => ("the part is good", Color::Green),
+            "bad" => ("the part is not good", Color::Red),
+            _ => ("the part is not judged", Color::Yellow),
+        };
+        let why: Vec<_> = part["words"].as_array().into_iter().flatten().map(word).collect();
+        let words = [&[words.to_owned()], &why[..]].concat().join(": ");
+        lines.push(Line::styled(words, coloured(colour)));
+    }
+    lines.push(Line::styled("faults and messages", HEAD));
+    let head = lines.len();
     for fault in all("faults") {
         let [source, code, text] = ["source", "code", "text"].map(|field| word(&fault[field]));
         lines.push(Line::styled(format!("{source} {code}: {text}"), coloured(Color::Red)));
@@ -279,19 +301,28 @@ fn messages(desk: &Desk) -> Vec<Line<'static>> {
     }
     let told = |message: &Value| Line::from(format!("line {}: {}", message["line"], word(&message["text"])));
     lines.extend(all("messages").iter().rev().map(told));
-    if lines.len() == 1 {
+    if lines.len() == head {
         lines.push(Line::styled("none", DIM));
     }
     lines
 }
 
-/// What is typed, or what came of the last request.
+/// Rows of what came of the last request: why it was refused is read to its end.
+fn said_rows(desk: &Desk, width: u16) -> u16 {
+    let letters = Line::from(desk.said().1).width();
+    // Words go to the next row whole.
+    letters.div_ceil(usize::from(width.saturating_sub(WORD)).max(1)).min(SAID) as u16
+}
+
+/// What is typed, and below it what came of the last request.
 fn line(frame: &mut Frame, desk: &Desk, area: Rect) {
-    let Some(line) = desk.line() else {
-        let (refused, said) = desk.said();
-        let style = if refused { coloured(Color::Red) } else { BOLD };
-        return frame.render_widget(Paragraph::new(Line::styled(said.to_owned(), style)), area);
-    };
+    let rows = [Constraint::Length(u16::from(desk.line().is_some())), Constraint::Fill(1)];
+    let [area, below] = Layout::vertical(rows).areas(area);
+    let (refused, said) = desk.said();
+    let style = if refused { coloured(Color::Red) } else { BOLD };
+    let said = Paragraph::new(Line::styled(said.to_owned(), style)).wrap(Wrap { trim: true });
+    frame.render_widget(said, below);
+    let Some(line) = desk.line() else { return };
     let what = if line.is_block { "block> " } else { "request> " };
     let room = usize::from(area.width).saturating_sub(what.chars().count() + 1);
     let skipped = line.text.chars().count().saturating_sub(room);

@@ -165,6 +165,11 @@ impl Translator {
         self.output.messages()
     }
 
+    /// Steps of progress of all that has left.
+    pub(crate) fn steps(&self) -> u64 {
+        self.output.steps()
+    }
+
     /// The jobs so far.
     pub(crate) fn jobs(&self) -> &[JobNote] {
         self.jobs.notes()

@@ -41,6 +41,11 @@ impl Messages {
         Messages { waiting: messages.into_iter().collect(), told: Vec::new() }
     }
 
+    /// More of them, behind all that were there.
+    pub(super) fn gives(&mut self, messages: Vec<Message>) {
+        self.waiting.extend(messages);
+    }
+
     pub(super) fn cycle(&mut self, cycle: u64, machine: &MachineStatus) {
         while let Some(message) = self.waiting.pop_front_if(|message| message.after < machine.taken) {
             self.told.push(MessageReport { line: message.line, cycle, text: message.text });

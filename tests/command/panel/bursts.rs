@@ -118,7 +118,9 @@ fn keys_that_nobody_sees_do_nothing_but_those_that_stop() {
             }
             let rows = drawn(&desk, size.width, size.height).join(" ");
             assert!(
-                rows.contains("72 by 20 characters at least") && rows.contains("this key acts"),
+                ["72 by 20 characters at least", "this key acts", "here act: space hold, S stop"]
+                    .iter()
+                    .all(|part| rows.contains(part)),
                 "{rows}"
             );
             press(&mut desk, KeyCode::Char(key), 0);
@@ -128,6 +130,34 @@ fn keys_that_nobody_sees_do_nothing_but_those_that_stop() {
             press(&mut desk, KeyCode::Char('s'), 0);
             assert_eq!(asked(&mut desk).len(), 1, "large enough");
         }
+    }
+}
+
+fn typed(desk: &mut Desk, text: &str) {
+    for letter in text.chars() {
+        press(desk, KeyCode::Char(letter), 0);
+    }
+}
+
+/// Why a block is refused is read to its end while the next one is typed, and how a part became.
+#[test]
+fn why_a_block_is_refused_is_read_while_the_next_one_is_typed() {
+    let why = "line 1: a feed in mm/min is missing: G94 G1 needs F, as in G1 X10 F100, and none was given \
+               so far; or take G95, and F in mm/rev";
+    for (width, height) in [(72, 20), (110, 34)] {
+        let mut desk = desk(ready());
+        typed(&mut desk, "mG1 X10");
+        press(&mut desk, KeyCode::Enter, 0);
+        let id = asked(&mut desk)[0].0;
+        desk.hears(json!({ "id": id, "refused": "bad-block", "why": why }));
+        typed(&mut desk, "G1 X11");
+        let rows = drawn(&desk, width, height);
+        assert!(rows.iter().any(|row| row.starts_with("block> G1 X11")), "{rows:#?}");
+        assert!(rows.join(" ").contains("and F in mm/rev"), "{rows:#?}");
+        let part = json!({ "verdict": "bad", "words": ["M20x2-6g not good: too thin"], "report": "r" });
+        desk.hears(json!({ "mode": "off", "state": "ready", "part": part }));
+        let rows = drawn(&desk, width, height).join(" ");
+        assert!(rows.contains("the part is not good: M20x2-6g not good: too thin"), "{rows}");
     }
 }
 
