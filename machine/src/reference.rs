@@ -79,17 +79,20 @@ impl ReferenceConfig {
         self.search_mm_s.signum()
     }
 
-    /// Where the axis is measured when its switch or index comes, mm. The slide is at its switch, and the
-    /// motor as far from it as is believed of the screw (M68), on the flank that it came by. A scale is at
-    /// the slide itself, an index at the motor.
+    /// Where the axis is measured when its switch or index comes, mm. A switch is at the slide, an index at
+    /// the motor; between both is what is believed of the screw (M68), and half of the backlash on the flank
+    /// that the axis came by. What measures is a scale at the slide, or the motor.
     pub fn measured_mm(&self, config: &AxisConfig) -> f64 {
-        if self.method != Method::Switch || config.scale_step_mm.is_some() {
-            return self.position_mm;
-        }
-        let screw = Screw::new(&config.screw_error);
-        let error_mm = |s| screw.as_ref().map_or(0.0, |screw| screw.error(s)[0]);
         let ahead_mm = 0.5 * config.backlash_mm * self.way();
-        self.position_mm - error_mm(self.position_mm) + error_mm(config.home_mm) + ahead_mm
+        match (self.method, config.scale_step_mm) {
+            (Method::Switch, None) => {
+                let screw = Screw::new(&config.screw_error);
+                let error_mm = |s| screw.as_ref().map_or(0.0, |screw| screw.error(s)[0]);
+                self.position_mm - error_mm(self.position_mm) + error_mm(config.home_mm) + ahead_mm
+            }
+            (Method::Switch, Some(_)) | (_, None) => self.position_mm,
+            (_, Some(_)) => self.position_mm - ahead_mm,
+        }
     }
 
     /// Where an axis with an index alone may stand and make its run within its travel, mm: it stands up to

@@ -137,6 +137,27 @@ fn a_wobble_is_where_it_is_in_the_machine() {
     }
 }
 
+/// An index is at the motor and a scale at the slide: between them is half of the backlash, whichever way the
+/// run goes.
+#[test]
+fn half_of_the_backlash_is_taken_off_at_an_index_of_an_axis_with_a_scale() {
+    let places = [20.0, 0.0, -40.0].map(|mm| (mm, 0.0));
+    for method in [Method::SwitchAndIndex, Method::Index] {
+        for way in [1.0, -1.0] {
+            let believed = "scale_step_mm = 0.0001\nbacklash_mm = 0.03\n";
+            let with_backlash = |off_mm| {
+                let mut machine = lathe(Axis::Z, method, off_mm, believed, "backlash_mm = 0.03");
+                let z = machine.axis.get_mut(&Axis::Z).and_then(|z| z.reference.as_mut()).expect("its run");
+                z.search_mm_s *= way;
+                z.position_mm = home_mm(Axis::Z) + way * MARK_MM;
+                (machine, Axis::Z)
+            };
+            let what = format!("{method:?}, {way}");
+            holds_wherever_it_is_switched_on((&[0.0, 1.25], FRICTION_MM), with_backlash, &places, &what);
+        }
+    }
+}
+
 /// What is believed of it is right in its rows; by a scale the slide is there in any case.
 #[test]
 fn what_is_believed_of_a_screw_holds_wherever_the_axis_is_switched_on() {
