@@ -17,9 +17,10 @@ const SEEDS_A_JOB: u64 = 20;
 /// Runs that a campaign may have.
 const MOST_RUNS: u64 = 1_000_000;
 /// What a campaign gives each run itself.
-const OURS: [&str; 8] = ["--json", "--out", "-o", "--quiet", "-q", "--page", "--panel", "--at"];
+const OURS: [&str; 7] = ["--json", "--out", "-o", "--quiet", "-q", "--page", "--panel"];
 /// What keeps a run from being one of many that end by themselves and leave nothing for the next.
-const NOT_MANY: [&str; 11] = [
+const NOT_MANY: [&str; 12] = [
+    "--at",
     "--clock",
     "--processes",
     "--in-process",

@@ -11,7 +11,7 @@ use process::ipc::time::{Moment, sleep_until};
 use crate::{
     LinkError,
     message::Message,
-    seal::{Opener, Sealer, Unwelcome},
+    seal::{Greeting, Opener, Sealer, Unwelcome},
     wire::Mouth,
 };
 
@@ -110,6 +110,10 @@ impl Session {
     /// # Errors
     /// Messages of the other host were lost, or it says that it ends.
     pub fn hear(&mut self, bytes: &[u8]) -> Result<Option<Message>, LinkError> {
+        if Greeting::Answer.is(bytes) {
+            // A greeting that was repeated is answered as often.
+            return Ok(None);
+        }
         let body = match self.opener.open(bytes) {
             Ok(body) => body,
             Err(Unwelcome::Stranger) => {
@@ -121,7 +125,10 @@ impl Session {
                 return Ok(None);
             }
             Err(Unwelcome::Lost(lost)) => {
-                let text = format!("{lost} messages of the other host were lost: the connection broke");
+                let text = match lost {
+                    1 => "a message of the other host was lost: the connection broke".into(),
+                    _ => format!("{lost} messages of the other host were lost: the connection broke"),
+                };
                 return Err(LinkError::Broken(text));
             }
         };

@@ -89,6 +89,11 @@ impl Hall {
             if !is_address(&at) {
                 return Err(format!("{place}: at = {at:?}\nhelp: HOST:PORT, as in \"10.0.0.2:7447\""));
             }
+            if let Some((before, _)) = machines.iter().find(|(_, watch)| watch.at == at) {
+                return Err(format!(
+                    "{place}: at = {at:?} is that of {before:?}\nhelp: each machine has an address of its own"
+                ));
+            }
             let Some(key) = own.or_else(|| key.clone()) else {
                 return Err(format!(
                     "{place}: no key\nhelp: key = \"FILE\" here, or for all machines in [hall]"

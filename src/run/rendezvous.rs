@@ -43,7 +43,7 @@ pub(super) fn rendezvous(
         for one in started.iter_mut() {
             if one.has_ended()? {
                 return Err(CliError::Machine(format!(
-                    "{} {} while the machine was starting",
+                    "while the machine was starting, {} {}",
                     one.host.name,
                     one.ending()
                 )));

@@ -152,7 +152,7 @@ pub const FAULTS: [FaultRow; 38] = [
         within: &[most(&[Cycles(3)], ""), most(&[Cycles(1)], "after so many")],
         reaction: "leaves the pass on the estimate of the spindle; brakes in timed motion; but who measures nothing commands nothing: after `plant.bus.lost_commands` in a row the drives have tripped, too, and the axes stand where they are",
         text: "a measurement is missing or out of order",
-        remedy: "the computer, the bus",
+        remedy: "the computer (`pitchlock doctor --real 60`), the bus",
     },
     FaultRow {
         fault: Fault::EncoderPlausibility,
@@ -345,7 +345,7 @@ pub const FAULTS: [FaultRow; 38] = [
         within: &[most(&[Cycles(3)], "without a command")],
         reaction: "leaves the pass; brakes in timed motion; after `plant.bus.lost_commands` in a row its drive has tripped, and the axis stands where it is",
         text: "the third answer of this regulator in a row came late or not at all: the computer was too slow; more priority, a longer cycle_s, `pitchlock doctor`",
-        remedy: "the computer (`pitchlock doctor`), `cycle_s`, priority",
+        remedy: "the computer (`pitchlock doctor --real 60`), `cycle_s`, priority",
     },
     FaultRow {
         fault: Fault::NotReferenced,
