@@ -21,6 +21,9 @@ const FILES: usize = 1000;
 /// Why nobody else is let in.
 const BUSY: &str = "the machine runs another program, or somebody stands at it: wait until that has ended";
 
+/// Why somebody who was compared is not let in after all.
+const CHANGED: &str = "the machine file at the machine was changed while it waited for programs\nhelp: ask again; both need the same one";
+
 /// A session that is not yet a run.
 struct Before {
     /// The greeting that it began with.
@@ -153,6 +156,20 @@ impl Door {
         }
     }
 
+    /// The machine file has this hash from now on. Who was compared with another one has to ask again.
+    pub fn compares(&mut self, machine: String) {
+        self.here.machine = machine;
+        for before in self.before.drain(..) {
+            // Who is gone hears nothing.
+            let _ = before.session.voice.say(&Message::Refused(CHANGED.into()));
+        }
+    }
+
+    /// Hash of the machine file that is compared.
+    pub fn compared(&self) -> &str {
+        &self.here.machine
+    }
+
     /// What the machine does.
     pub fn sees(&mut self, seen: Value) {
         self.seen = Some((seen, Moment::now()));
@@ -161,7 +178,10 @@ impl Door {
 
     fn became_of(&self, run: &str) -> Verdict {
         match &self.outcome {
-            Some((name, outcome)) if name == run => Verdict::Outcome(outcome.clone()),
+            Some((name, outcome)) if name == run => {
+                say(&Said::Fetched);
+                Verdict::Outcome(outcome.clone())
+            }
             _ if self.on.as_deref() == Some(run) => Verdict::NotYet,
             _ => Verdict::Refused(
                 "nothing is known of that run here: its run folder tells how it ended".into(),

@@ -10,10 +10,7 @@ use std::{
 };
 
 use process::{
-    ipc::{
-        Member, Patience, Process, channel,
-        time::{Moment, sleep_until},
-    },
+    ipc::{Member, Patience, Process, channel, time::Moment},
     shell::{START_S, deliver},
 };
 use protocol::{CodePacket, Credit, Payload as _};
@@ -32,8 +29,6 @@ use crate::{
 
 /// How long nothing is looked at when nothing comes.
 pub(crate) const NAP: Duration = Duration::from_millis(100);
-/// So long a refusal may take to be on its way: who says it ends.
-const HEARD: Duration = Duration::from_millis(300);
 /// Why a launcher that is gone ends the link.
 pub(crate) const OFF: &str = "`pitchlock serve` there is gone, and the machine comes to rest";
 /// Events that are taken before anything else is looked at again.
@@ -82,23 +77,26 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
                 }
             }
             Some(Event::Closed) => return Ok(()),
-            Some(Event::Line(line)) => {
-                if let Ok(Told::Seen(seen)) = serde_json::from_str(&line) {
-                    door.sees(seen);
-                }
-            }
+            Some(Event::Line(line)) => match serde_json::from_str(&line) {
+                Ok(Told::Seen(seen)) => door.sees(seen),
+                Ok(Told::Compared(machine)) => door.compares(machine),
+                _ => {}
+            },
             Some(Event::Shut(_) | Event::Gone) | None => {}
         }
     };
+    let compared = door.compared().to_owned();
     let Asked { run, mut session, files, words, by_panel } = asked;
     if let Err(error) = put(&args.into, files) {
         // Nothing has moved, and the next one may be smaller.
-        session.voice.say(&Message::Refused(error.to_string()))?;
-        sleep_until(Moment::now().after(HEARD));
+        panel::last_word(Message::Refused(error.to_string()), &wire, &mut session)?;
         say(&Said::Note(error.to_string()));
         return Ok(());
     }
-    say(&if by_panel { Said::Panel { words } } else { Said::Run { run, words } });
+    say(&match by_panel {
+        true => Said::Panel { words, compared },
+        false => Said::Run { run, words, compared },
+    });
     let carried = match by_panel {
         true => panel::carry_down(&wire, &mut door, &mut session),
         false => carry(&wire, &mut door, &mut session),
@@ -149,8 +147,7 @@ fn place(wire: &Wire, door: &mut Door, session: &mut Session) -> Result<Option<(
             Some(Event::Line(line)) => match serde_json::from_str(&line) {
                 Ok(Told::Join { address, real }) => return Ok(Some((address, real))),
                 Ok(Told::Refuse(text)) => {
-                    session.voice.say(&Message::Refused(text))?;
-                    return Ok(None);
+                    return panel::last_word(Message::Refused(text), wire, session).map(|()| None);
                 }
                 Ok(Told::Seen(seen)) => door.sees(seen),
                 Ok(_) => {}

@@ -108,7 +108,7 @@ pub(crate) fn carry_down(wire: &Wire, door: &mut Door, session: &mut Session) ->
 }
 
 /// Says the last word, and waits a moment until the other host has heard it and ends, too.
-fn last_word(word: Message, wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
+pub(crate) fn last_word(word: Message, wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
     session.voice.say(&word)?;
     let deadline = Moment::now().after(LAST_WORD);
     while !deadline.passed() {

@@ -14,7 +14,7 @@ use crate::{
     call::call,
     door::named,
     hello::{Answer, Hello, HostArgs, Identity, Verdict, Wants, hex, of_hex, opened, sealed},
-    message::{FILE, Message, PART},
+    message::{FILE, Message, PART, is_file_name},
     proof::Role,
     seal::{self, Greeting, Key, Level},
     session::{Session, Voice},
@@ -122,6 +122,24 @@ impl Caller {
         )))
     }
 
+    /// Why a run has not begun, of whoever waits there now, if anybody knows.
+    fn why_not(&mut self, run: &str) -> Option<LinkError> {
+        let deadline = Moment::in_s(PATIENT_S);
+        while !deadline.passed() {
+            let left_s = deadline.since(Moment::now()).as_secs_f64();
+            match self.answer(&Wants::Outcome(run.into()), left_s) {
+                Ok((_, Answer { verdict: Verdict::Outcome(value), .. })) => {
+                    return value["error"].as_str().map(|text| LinkError::Input(text.into()));
+                }
+                Ok((_, Answer { verdict: Verdict::NotYet, .. })) => {
+                    process::ipc::time::sleep_until(Moment::now().after(AGAIN));
+                }
+                _ => return None,
+            }
+        }
+        None
+    }
+
     /// What became of a run.
     fn outcome(&mut self, run: &str) -> Result<serde_json::Value, LinkError> {
         let deadline = Moment::in_s(SUMMED_UP_S);
@@ -156,12 +174,17 @@ pub fn run(args: &CallArgs) -> Result<(), LinkError> {
     let (run, mut session) = caller.call(&Wants::Run, PATIENT_S)?;
     session.voice.beat()?;
     say(&Said::Welcome { run: run.clone() });
-    let carried = carry(&caller.wire, &mut session);
+    let mut began = false;
+    let carried = carry(&caller.wire, &mut session, &mut began);
     if let Err(error) = &carried {
         session.ends(error);
     }
     session.told().into_iter().for_each(|text| say(&Said::Note(text)));
-    carried.unwrap_or_else(|error| leave(&error));
+    carried.unwrap_or_else(|error| {
+        let is_told = began || matches!(error, LinkError::Input(_));
+        let why = if is_told { None } else { caller.why_not(&run) };
+        leave(&why.unwrap_or(error))
+    });
     drop(session);
     say(&Said::Outcome(caller.outcome(&run)?));
     Ok(())
@@ -173,6 +196,10 @@ pub(crate) fn send_files(session: &Session, told: &Told) -> Result<(), LinkError
     let mut all = 0;
     for name in files {
         let path = folder.join(name);
+        if !is_file_name(name) {
+            let help = "a name for the other computer is UTF-8 without control characters, and begins with no dot: rename it";
+            return Err(LinkError::file(&path, help));
+        }
         let bytes = intake::bytes(&path, FILE as u64).map_err(|error| LinkError::file(&path, error))?;
         all += bytes.len();
         if all > FILE {
@@ -189,13 +216,16 @@ pub(crate) fn send_files(session: &Session, told: &Told) -> Result<(), LinkError
     session.voice.say(&Message::Begin(words.clone()))
 }
 
-/// From the files of the run until nothing more is wanted.
-fn carry(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
+/// From the files of the run until nothing more is wanted; whether it has begun.
+fn carry(wire: &Wire, session: &mut Session, began: &mut bool) -> Result<(), LinkError> {
     let address = loop {
         match wire.wait(AGAIN) {
             Some(Event::Frame(bytes)) => match session.hear(&bytes)? {
                 Some(Message::Refused(text)) => return Err(LinkError::Input(text)),
-                Some(Message::Go) => say(&Said::Started),
+                Some(Message::Go) => {
+                    *began = true;
+                    say(&Said::Started);
+                }
                 _ => {}
             },
             Some(Event::Line(line)) => match serde_json::from_str(&line) {

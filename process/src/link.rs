@@ -23,11 +23,15 @@ pub enum Said {
         run: String,
         /// Its arguments, the program first.
         words: Vec<String>,
+        /// Hash of the machine file that was compared for it.
+        compared: String,
     },
     /// A panel is asked for: the files of its program lie in the folder.
     Panel {
         /// Its arguments, the program first, which is empty without one.
         words: Vec<String>,
+        /// Hash of the machine file that was compared for it.
+        compared: String,
     },
     /// The machine has started.
     Started,
@@ -41,6 +45,8 @@ pub enum Said {
     Why(String),
     /// What became of the run.
     Outcome(Value),
+    /// Whoever asked for the last run has been told what became of it.
+    Fetched,
     /// Somebody in a hall looks at the machine: what is it doing?
     Look,
     /// What machines of a hall do, in the order in which they were named.
@@ -97,6 +103,8 @@ pub struct Watched {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Told {
+    /// The machine file has this hash now: whoever comes from here on is compared with that.
+    Compared(String),
     /// Take your place in the name space with this address.
     Join {
         /// Its address.

@@ -1,6 +1,7 @@
 //! Signals that ask for the end of a run. Ctrl-C, SIGTERM, and SIGHUP (the terminal was closed) ask the
 //! machine to stop. Only Ctrl-C can ask for more: one that comes when the machine stops already is an
-//! emergency stop, the next ends the processes.
+//! emergency stop, the next ends the processes. The others ask for the end of the whole command, if it would
+//! go on behind the run.
 
 use std::sync::{
     Arc,
@@ -32,6 +33,7 @@ pub(crate) enum Wish {
 pub(crate) struct Interrupts {
     signals: Signals,
     wish: Wish,
+    ends: bool,
     over: Arc<AtomicBool>,
     asked: Arc<AtomicBool>,
 }
@@ -55,7 +57,7 @@ impl Interrupts {
         // launcher.
         register(SIGXFSZ, Arc::default()).map_err(refused)?;
         let signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(refused)?;
-        Ok(Interrupts { signals, wish: Wish::None, over, asked })
+        Ok(Interrupts { signals, wish: Wish::None, ends: false, over, asked })
     }
 
     /// Whether anything has been asked for.
@@ -76,6 +78,12 @@ impl Interrupts {
         self.asked.store(false, Ordering::Relaxed);
     }
 
+    /// Whether the command is to end, and not only its run.
+    pub(crate) fn ends(&mut self) -> bool {
+        self.wish();
+        self.ends
+    }
+
     /// Set as soon as anything is asked for, for whoever waits for something else.
     pub(crate) fn asked(&self) -> &Arc<AtomicBool> {
         &self.asked
@@ -92,6 +100,7 @@ impl Interrupts {
         if pressed {
             self.wish = self.wish.more();
         }
+        self.ends |= told;
         if told {
             self.wish = self.wish.max(Wish::Stop);
         }

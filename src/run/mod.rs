@@ -25,8 +25,10 @@ mod traced;
 mod watchdog;
 
 use std::{
+    cell::RefCell,
     path::{Path, PathBuf},
     process::ExitCode,
+    rc::Rc,
 };
 
 use interpreter::Entry;
@@ -100,7 +102,7 @@ pub(crate) struct Setup {
     pub(crate) by_hand: bool,
     /// The link to the computer of its interpreter, if that is another one; whoever starts the processes
     /// takes it.
-    pub(crate) link: std::cell::RefCell<Option<hosts::Link>>,
+    pub(crate) link: Rc<RefCell<Option<hosts::Link>>>,
 }
 
 impl Setup {
@@ -281,7 +283,7 @@ impl Prepared {
             fell: args.fell,
             unkept: args.unkept,
             resumed,
-            link: None.into(),
+            link: Rc::default(),
         };
         Ok(Prepared { setup, keeps, in_process: args.in_process, json: args.json })
     }

@@ -13,7 +13,7 @@ use hosts::{call::call, proof::Role, seal::Key};
 use process::ipc::time::{Moment, sleep_until};
 
 use crate::{
-    place::{Host, Place, control, ended, project, signal, until, wait_s},
+    place::{Host, Place, control, ended, project, signal, summary, until, wait_s},
     refusals::{text, waiting},
 };
 
@@ -34,11 +34,61 @@ fn a_machine_file_that_was_changed_while_it_waited_is_refused_and_then_compared_
     runs("completed", 0);
     let other = lathe.clone() + "# another one\n";
     place.write("there.toml", &other);
-    runs("was changed while it waited", 2);
+    // Seen there by itself, or when somebody asks.
+    runs("the machine file", 2);
+    wait_s(1.0);
     runs("the machine file differs", 2);
     assert_eq!(place.runs().len(), 1, "nothing has moved");
     place.write("here.toml", &other);
     runs("completed", 0);
+    // Both are changed while nobody asks, and one of them back.
+    for text in [&lathe, &other, &lathe] {
+        place.write("here.toml", text);
+        place.write("there.toml", text);
+        wait_s(1.0);
+        runs("completed", 0);
+    }
+}
+
+/// Whatever keeps the machine from starting is said to whoever has asked for it, and nothing has moved.
+#[test]
+fn a_machine_that_cannot_start_says_why_to_the_other_computer() {
+    let place = waiting();
+    let short = place.at("short.ngc");
+    let refused = |what: &str| {
+        let output = place.far(&short, &[]).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+        assert!(text(&output).contains(what), "{}", text(&output));
+        assert!(!text(&output).contains("tool in a thread"), "{}", text(&output));
+    };
+    // Run folders cannot be made.
+    let runs = place.at("b/runs");
+    fs::write(&runs, "a file").expect("written");
+    (0..5).for_each(|_| refused("runs"));
+    fs::remove_file(&runs).expect("removed");
+    assert_eq!(place.run(&short, &[])["outcome"], "completed");
+    // Somebody has cleaned up where programs come.
+    for entry in fs::read_dir(place.at("b/tmp")).expect("a folder").flatten() {
+        fs::remove_dir_all(entry.path()).expect("removed");
+    }
+    until("it is seen", 10.0, || place.said().contains("was removed: another one waits"));
+    assert_eq!(place.run(&short, &[])["outcome"], "completed");
+}
+
+/// Its folder of temporary files is so deep that no socket has a place in it: that is found behind the files.
+#[test]
+fn a_machine_whose_name_space_cannot_be_made_is_refused_at_once() {
+    let mut place = waiting();
+    place.kill_serve();
+    let home = place.at("b");
+    let deep = home.join("d".repeat(66_usize.saturating_sub(home.as_os_str().len() + 1).max(1)));
+    fs::create_dir_all(&deep).expect("a folder");
+    place.serve_with_temporary(&deep);
+    let begun = Moment::now();
+    let output = place.far(&place.at("short.ngc"), &[]).output().expect("it starts");
+    assert!(output.status.code().is_some_and(|code| code > 0), "{}", text(&output));
+    assert!(begun.elapsed().as_secs_f64() < 15.0, "{}", text(&output));
+    assert!(!text(&output).contains("tool in a thread"), "{}", text(&output));
 }
 
 /// On one computer nobody is in a hurry with it; on two nobody sees from there that it computes.
@@ -85,6 +135,21 @@ fn a_link_that_is_stopped_beside_the_program_is_given_up() {
     until("the machine there rests", 60.0, || place.is_clean(Host::B));
 }
 
+/// So long nobody heard the link but because he was stopped himself.
+#[test]
+fn a_launcher_beside_the_program_that_was_stopped_blames_nobody() {
+    let place = waiting();
+    let run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "4"]).spawn();
+    let run = run.expect("it starts");
+    place.cuts(1);
+    signal(run.id(), "STOP");
+    wait_s(7.0);
+    signal(run.id(), "CONT");
+    let output = ended(run, 60.0);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output));
+    assert_eq!(summary(&output)["outcome"], "completed");
+}
+
 /// The bound of the docs is one for all bytes, and not for each.
 #[test]
 fn whoever_answers_byte_by_byte_is_somebody_who_says_nothing() {
@@ -123,6 +188,56 @@ fn a_link_that_dies_between_two_runs_is_followed_by_another() {
         until("another one waits", 20.0, again);
     }
     assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
+}
+
+#[test]
+fn a_machine_that_is_told_to_end_stops_its_run_says_how_it_ended_and_ends() {
+    let mut place = waiting();
+    let run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "2"]).spawn();
+    let run = run.expect("it starts");
+    place.cuts(1);
+    place.signal_serve("TERM");
+    let output = ended(run, 20.0);
+    assert_eq!((summary(&output)["outcome"].as_str(), output.status.code()), (Some("stopped"), Some(1)));
+    assert_eq!(place.serve_ends(6.0), Some(0), "{}", place.said());
+    assert!(place.links(Host::B).is_empty() && place.is_clean(Host::B));
+    let nobody = place.far(&place.at("short.ngc"), &[]).output().expect("it starts");
+    assert!(text(&nobody).contains("nobody answers"), "{}", text(&nobody));
+}
+
+/// Nobody fetches how the run has ended: that is waited for, and not for ever.
+#[test]
+fn a_machine_that_is_told_to_end_beside_a_program_that_is_gone_ends_as_well() {
+    let mut place = waiting();
+    let mut run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "2"]);
+    let mut run = run.spawn().expect("it starts");
+    place.cuts(1);
+    place.signal_serve("TERM");
+    run.kill().expect("it lives");
+    run.wait().expect("it is ours");
+    assert_eq!(place.serve_ends(30.0), Some(0), "{}", place.said());
+    assert!(place.links(Host::B).is_empty() && place.is_clean(Host::B));
+}
+
+#[test]
+fn a_machine_file_that_is_wrong_for_a_while_ends_nothing() {
+    let mut place = Place::new(None);
+    let lathe = fs::read_to_string(project("examples/machines/small-lathe.toml")).expect("a machine file");
+    let (here, there) = (place.write("here.toml", &lathe), place.write("there.toml", &lathe));
+    let short = place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nM2\n");
+    place.serve(&["--machine", &there.display().to_string()]);
+    let runs = |what: &str, status: i32| {
+        let output =
+            place.far(&short, &["--machine", &here.display().to_string()]).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(status), "{what}: {}", text(&output));
+        assert!(text(&output).contains(what), "{}", text(&output));
+    };
+    place.write("there.toml", "[machine]\ncycle_s = true\n");
+    for _ in 0..2 {
+        runs("there.toml", 2);
+    }
+    place.write("there.toml", &lathe);
+    runs("completed", 0);
 }
 
 #[test]

@@ -84,6 +84,25 @@ impl Panel {
     }
 }
 
+/// Whoever stands there hears why it is over.
+#[test]
+fn a_machine_that_is_told_to_end_ends_the_panel_from_far() {
+    let mut place = Place::new(None);
+    place.serve(&[]);
+    let name = project("examples/m20x2.ngc").display().to_string();
+    let mut panel = Panel::start(&place, &[&name, "--pace", "2", "--trace", "none"]);
+    panel.press("take-seat", Value::Null);
+    panel.press("start", Value::Null);
+    until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+    place.signal_serve("TERM");
+    assert_eq!(ended(panel.launcher.take().expect("it is there"), 20.0).status.code(), Some(1));
+    let said = fs::read_to_string(place.at("panel.txt")).expect("words");
+    assert!(said.contains("was told to end"), "{said}");
+    assert_eq!(place.serve_ends(20.0), Some(0), "{}", place.said());
+    assert_eq!(summary_of(&place, 0)["outcome"], "stopped");
+    assert!(place.links(Host::B).is_empty() && place.is_clean(Host::B));
+}
+
 /// The summary of a run on host B, when it is there.
 fn summary_of(place: &Place, number: usize) -> Value {
     let read = || {

@@ -229,7 +229,18 @@ impl Place {
 
     /// Has the machine wait on host B.
     pub(crate) fn serve(&mut self, arguments: &[&str]) {
+        let command = self.command(Host::B, &control());
+        self.serve_by(command, arguments);
+    }
+
+    /// The same with temporary files in this folder.
+    pub(crate) fn serve_with_temporary(&mut self, folder: &Path) {
         let mut command = self.command(Host::B, &control());
+        command.env("TMPDIR", folder);
+        self.serve_by(command, &[]);
+    }
+
+    fn serve_by(&mut self, mut command: Command, arguments: &[&str]) {
         let said = fs::File::create(self.at("serve.txt")).expect("a file");
         command.args(["serve", "--listen", &self.address, "--key"]).arg(self.at("key")).args(arguments);
         self.serve = Some(command.stdout(Stdio::null()).stderr(said).spawn().expect("it starts"));
@@ -242,6 +253,16 @@ impl Place {
         // It is ours, and not collected yet: its number is that of nobody else.
         serve.kill().expect("it lives");
         serve.wait().expect("it has ended");
+    }
+
+    /// Sends its launcher a signal.
+    pub(crate) fn signal_serve(&self, name: &str) {
+        signal(self.serve.as_ref().expect("it serves").id(), name);
+    }
+
+    /// Its launcher ends by itself; its status.
+    pub(crate) fn serve_ends(&mut self, most_s: f64) -> Option<i32> {
+        ended(self.serve.take().expect("it serves"), most_s).status.code()
     }
 
     /// What the machine has said.

@@ -63,7 +63,17 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     command.arg("--at").arg(at);
     let link = Link::start(command, Stdio::null())?;
     let (wish, worked) = (Wish::None, (Moment::now(), 0));
-    let mut far = Far { setup: &setup, link, interrupts: caught, wish, at, quiet, joined: false, worked };
+    let mut far = Far {
+        setup: &setup,
+        link,
+        interrupts: caught,
+        wish,
+        at,
+        quiet,
+        started: false,
+        joined: false,
+        worked,
+    };
     let program = setup.folder.program.file_name().unwrap_or_default().to_string_lossy();
     let ended = far.run(&asked_for(asked, &program, setup.seed));
     far.link.end();
@@ -106,6 +116,8 @@ struct Far<'a> {
     wish: Wish,
     at: &'a str,
     quiet: bool,
+    /// The machine there has started.
+    started: bool,
     /// The link has its place in the machine: what is pressed from here on arrives.
     joined: bool,
     /// When the interpreter was looked at last, and what it had used of a processor then, ticks.
@@ -120,6 +132,7 @@ impl Far<'_> {
         let (path, files) = (folder.path.clone(), folder.made_of());
         self.link.heard.tell(&Told::Send { folder: path, files, words: words.to_vec() })?;
         while !matches!(self.hears()?, Some(Said::Started)) {}
+        self.started = true;
         let mut space = NameSpace::create(&axes(&self.setup.machine))?;
         let host = Host { name: Process::Interpreter.name(), modules: vec![Process::Interpreter] };
         let mut interpreter = Started::start(self.setup, &space.address(), host)?;
@@ -179,11 +192,16 @@ impl Far<'_> {
 
     /// What is said when nothing more will come.
     fn lost(&self, why: &str) -> CliError {
-        CliError::Machine(format!(
-            "the link to {} is lost: {why}\nhelp: the machine there comes to rest by itself: a tool in a thread cuts its pass \
-             to the end, or leaves it; the run folder there says which",
-            self.at
-        ))
+        let help = match self.started {
+            true => {
+                "the machine there comes to rest by itself: a tool in a thread cuts its pass to the end, or leaves it; the \
+                 run folder there says which"
+            }
+            false => {
+                "the machine there had not started, and nothing has moved: see what `pitchlock serve` says there"
+            }
+        };
+        CliError::Machine(format!("the link to {} is lost: {why}\nhelp: {help}", self.at))
     }
 
     fn looks_at_the_keyboard(&mut self) -> Result<(), CliError> {

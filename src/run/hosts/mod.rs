@@ -3,6 +3,7 @@
 //! on either, and what it says. What crosses the wire, and how, only that process knows (`hosts/`).
 
 mod at;
+mod file;
 mod panel;
 mod seen;
 mod serve;
@@ -22,7 +23,6 @@ use std::{
 };
 
 use process::{
-    ipc::time::Moment,
     link::{Said, Told, Watch},
     shell::Clock,
 };
@@ -61,8 +61,8 @@ pub(crate) struct Heard {
     looked: bool,
     /// How often the interpreter on the other computer said that it computes.
     computed: u64,
-    /// When anything was heard.
-    last: Moment,
+    /// How many looks in a row have heard nothing.
+    dumb: u32,
 }
 
 /// Who calls whom, and as what.
@@ -137,15 +137,7 @@ impl Link {
         std::thread::Builder::new().name("link".into()).spawn(hear).map_err(wrong)?;
         Ok(Link {
             child,
-            heard: Heard {
-                said,
-                ear,
-                wish: Wish::None,
-                why: None,
-                looked: false,
-                computed: 0,
-                last: Moment::now(),
-            },
+            heard: Heard { said, ear, wish: Wish::None, why: None, looked: false, computed: 0, dumb: 0 },
         })
     }
 
@@ -222,10 +214,14 @@ impl Heard {
     fn hears(&mut self) -> Result<Option<Said>, String> {
         match self.said.recv_timeout(NAP) {
             Ok(said) => {
-                self.last = Moment::now();
+                self.dumb = 0;
                 Ok(Some(said).filter(|said| *said != Said::Beat))
             }
-            Err(RecvTimeoutError::Timeout) if self.last.elapsed() < DUMB => Ok(None),
+            // Each look takes that long, and no look is what this process misses while it is stopped.
+            Err(RecvTimeoutError::Timeout) if self.dumb * NAP < DUMB => {
+                self.dumb += 1;
+                Ok(None)
+            }
             Err(RecvTimeoutError::Timeout) => {
                 Err(format!("{LINK} here does not answer any more: it is killed"))
             }

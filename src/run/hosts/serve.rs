@@ -2,18 +2,24 @@
 //! address, a key. Out: a run as any other, whose interpreter is far away; its run folder lies here.
 
 use std::{
+    cell::RefCell,
     io::ErrorKind,
     net::{IpAddr, Ipv4Addr, TcpListener},
     os::fd::OwnedFd,
     path::{Path, PathBuf},
     process::{ExitCode, Stdio},
+    rc::Rc,
+    time::Duration,
 };
 
 use clap::{Args, Parser as _};
-use process::link::{Said, Told};
+use process::{
+    ipc::time::Moment,
+    link::{Said, Told},
+};
 use serde_json::{Value, json};
 
-use super::{Link, command, seen, stand};
+use super::{Link, command, file::Compared, seen, stand};
 use crate::{
     args::MachineArgs,
     cli::{Cli, Command},
@@ -26,6 +32,12 @@ use crate::{
 
 /// What folders for what comes are called.
 const FOLDER: &str = "serve";
+/// The file with what became of the last run.
+const OUTCOME: &str = "outcome.json";
+/// Who is to end waits so long for whoever wants to know how the last run has ended, and then so long until
+/// the answer is on its way.
+const FETCHED: Duration = Duration::from_secs(5);
+const ON_ITS_WAY: Duration = Duration::from_millis(300);
 
 pub(crate) const HELP: &str = "Examples:
   pitchlock-link key shop.key                                  a key; copy it to the other computer
@@ -34,7 +46,8 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock panel part.ngc --machine lathe.toml --key shop.key --at 10.0.0.2:7447    there, in a browser
 
 Both have the same machine file and the same pitchlock, or nothing moves. Run folders are made here, as those of
-`pitchlock run`; the summary is printed on both. Ctrl-C stops a run, and between runs ends this.";
+`pitchlock run`; the summary is printed on both. Ctrl-C stops a run, and between runs ends this; SIGTERM does
+both.";
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ServeArgs {
@@ -94,102 +107,144 @@ pub(super) fn is_as_compared(args: &ServeArgs, compared: &str) -> Result<(), Cli
 
 /// Waits for programs, and runs them.
 pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError> {
-    args.machine.read()?;
+    let mut file = Compared::read(&args.machine)?;
     let (listener, here) = listens(&args.listen)?;
     let mut interrupts = Some(Interrupts::catch()?);
-    let kept = Temporary::new(FOLDER)?;
-    let outcome = kept.path().join("outcome.json");
-    let mut told = false;
+    let mut kept = Temporary::new(FOLDER)?;
+    let (mut told, mut leaves) = (false, false);
     loop {
         let incoming = Temporary::new(FOLDER)?;
-        let (machine, text) = args.machine.read()?;
-        let (machine, compared) = (machine.general.name, rig::hash::hex_of_text(&text));
-        let mut command = command("lower", &compared, &args.key)?;
+        let mut command = command("lower", &file.hash, &args.key)?;
         command.arg("--into").arg(incoming.path());
+        let outcome = kept.path().join(OUTCOME);
         if outcome.exists() {
             command.arg("--outcome").arg(&outcome);
         }
         let address = listener.try_clone().map_err(|error| CliError::Machine(error.to_string()))?;
         let link = Link::start(command, Stdio::from(OwnedFd::from(address)))?;
         let told = (!std::mem::replace(&mut told, true) && !quiet).then_some(&*here);
-        let (link, wanted) = match asked_for(link, &machine, told, &mut interrupts)? {
-            Came::Wanted(link, wanted) => (link, wanted),
+        let until = leaves.then(|| Moment::now().after(FETCHED));
+        let waits = Waits { file: &mut file, incoming: incoming.path(), told, until };
+        let (link, wanted, compared) = match waits.asked_for(link, &mut interrupts)? {
+            Came::Wanted(link, wanted, compared) => (link, wanted, compared),
+            Came::Lost if leaves => return Ok(ExitCode::SUCCESS),
             Came::Lost => continue,
             Came::Enough => return Ok(ExitCode::SUCCESS),
         };
-        let (run, words) = match wanted {
-            Wanted::Run(run, words) => (run, words),
+        match wanted {
+            Wanted::Run(run, words) => {
+                let asked = (incoming.path(), &*words, &*compared);
+                let value = one_run(args, (&run, asked), link, quiet, &mut interrupts);
+                if !kept.path().exists() {
+                    // Somebody has cleaned up.
+                    kept = Temporary::new(FOLDER)?;
+                }
+                let outcome = kept.path().join(OUTCOME);
+                let written = intake::replace(&outcome, value.to_string().as_bytes());
+                written.map_err(|error| CliError::file(&outcome, error))?;
+                leaves = interrupts.as_mut().is_some_and(Interrupts::ends);
+            }
             Wanted::Panel(words) => {
                 let asked = (incoming.path(), &*words, &*compared);
-                if let Err(error) = stand::stand(args, &machine, asked, link, &mut interrupts) {
+                if let Err(error) = stand::stand(args, &file.name, asked, link, &mut interrupts) {
                     words::say(&format!("error: {error}\n"));
                 }
-                interrupts.iter_mut().for_each(Interrupts::forget);
-                continue;
+                if interrupts.as_mut().is_some_and(Interrupts::ends) {
+                    return Ok(ExitCode::SUCCESS);
+                }
             }
-        };
-        let ended = one_run(args, (incoming.path(), &words, &compared), link, quiet, &mut interrupts);
-        let value = match &ended {
-            Ok((folder, summary)) => json!({ "run": run, "folder": folder, "summary": summary }),
-            Err(error) => {
-                words::say(&format!("error: {error}\n"));
-                json!({ "run": run, "error": screen::plain(&error.to_string()) })
-            }
-        };
-        let written = intake::replace(&outcome, value.to_string().as_bytes());
-        written.map_err(|error| CliError::file(&outcome, error))?;
+        }
         interrupts.iter_mut().for_each(Interrupts::forget);
+        file.has_changed();
     }
 }
 
 /// What came of waiting.
 enum Came {
-    /// Somebody asks for something.
-    Wanted(Link, Wanted),
+    /// Somebody asks for something, with the hash of the machine file that was compared for it.
+    Wanted(Link, Wanted, String),
     /// The process of the link has ended, for no reason that would end another one.
     Lost,
     /// Nothing is wanted any more.
     Enough,
 }
 
-/// Waits until somebody asks for something.
-fn asked_for(
-    mut link: Link,
-    machine: &str,
-    told: Option<&str>,
-    interrupts: &mut Option<Interrupts>,
-) -> Result<Came, CliError> {
-    let mut listened = false;
-    loop {
-        // What it said last may still be on its way when it has ended.
-        let is_over = link.is_over();
-        let said = if is_over { link.says_last() } else { link.says() };
-        match said {
-            Some(Said::Listening) => {
-                listened = true;
-                told.iter().for_each(|address| words::say(&format!("the machine waits at {address}\n")));
+/// What is known while nobody asks for anything.
+struct Waits<'a, 'b> {
+    file: &'a mut Compared<'b>,
+    /// Where files come.
+    incoming: &'a Path,
+    /// The address, if it is to be told when the link listens.
+    told: Option<&'a str>,
+    /// Until then, if nothing more is to begin.
+    until: Option<Moment>,
+}
+
+impl Waits<'_, '_> {
+    /// Waits until somebody asks for something.
+    fn asked_for(mut self, mut link: Link, interrupts: &mut Option<Interrupts>) -> Result<Came, CliError> {
+        let mut listened = false;
+        loop {
+            // What it said last may still be on its way when it has ended.
+            let is_over = link.is_over();
+            let said = if is_over { link.says_last() } else { link.says() };
+            match said {
+                Some(Said::Listening) => {
+                    listened = true;
+                    self.told
+                        .iter()
+                        .for_each(|address| words::say(&format!("the machine waits at {address}\n")));
+                }
+                Some(Said::Run { .. } | Said::Panel { .. }) if self.until.is_some() => {
+                    link.heard.tell(&Told::Refuse("the machine is switched off there".into()))?;
+                }
+                Some(Said::Fetched) => {
+                    self.until = self.until.map(|_| Moment::now().after(ON_ITS_WAY));
+                }
+                Some(Said::Run { run, words, compared }) => {
+                    return Ok(Came::Wanted(link, Wanted::Run(run, words), compared));
+                }
+                Some(Said::Panel { words, compared }) => {
+                    return Ok(Came::Wanted(link, Wanted::Panel(words), compared));
+                }
+                Some(Said::Look) => link.heard.shows(seen::off(&self.file.name)),
+                Some(Said::Note(text)) => words::say(&format!("{text}\n")),
+                Some(Said::Refused(text)) => return Err(CliError::Input(text)),
+                Some(Said::Why(text)) if !listened => return Err(CliError::Machine(text)),
+                Some(Said::Why(text)) => words::say(&format!("{}: {text}\n", super::LINK)),
+                Some(_) => {}
+                None if is_over && listened => {
+                    words::say(&format!("{} has ended: another one waits for programs\n", super::LINK));
+                    return Ok(Came::Lost);
+                }
+                None if is_over => {
+                    return Err(CliError::Machine(format!("{} ended without a reason", super::LINK)));
+                }
+                None => {}
             }
-            Some(Said::Run { run, words }) => return Ok(Came::Wanted(link, Wanted::Run(run, words))),
-            Some(Said::Panel { words }) => return Ok(Came::Wanted(link, Wanted::Panel(words))),
-            Some(Said::Look) => link.heard.shows(seen::off(machine)),
-            Some(Said::Note(text)) => words::say(&format!("{text}\n")),
-            Some(Said::Refused(text)) => return Err(CliError::Input(text)),
-            Some(Said::Why(text)) if !listened => return Err(CliError::Machine(text)),
-            Some(Said::Why(text)) => words::say(&format!("{}: {text}\n", super::LINK)),
-            Some(_) => {}
-            None if is_over && listened => {
-                words::say(&format!("{} has ended: another one waits for programs\n", super::LINK));
+            let is_enough = self.until.is_some_and(|until| until.passed());
+            if is_enough || interrupts.as_mut().is_some_and(Interrupts::is_wished) {
+                link.end();
+                return Ok(Came::Enough);
+            }
+            if self.file.is_due() && !self.is_as_it_was(&mut link)? {
+                link.end();
                 return Ok(Came::Lost);
             }
-            None if is_over => {
-                return Err(CliError::Machine(format!("{} ended without a reason", super::LINK)));
-            }
-            None => {}
         }
-        if interrupts.as_mut().is_some_and(Interrupts::is_wished) {
-            link.end();
-            return Ok(Came::Enough);
+    }
+
+    /// Looks at what others may change while nothing runs; whether the link can go on.
+    fn is_as_it_was(&mut self, link: &mut Link) -> Result<bool, CliError> {
+        if self.file.has_changed() {
+            link.heard.tell(&Told::Compared(self.file.hash.clone()))?;
         }
+        let is_there = self.incoming.exists();
+        if !is_there {
+            let folder = self.incoming.display();
+            words::say(&format!("{folder} was removed: another one waits for programs\n"));
+        }
+        Ok(is_there)
     }
 }
 
@@ -227,27 +282,44 @@ fn arguments(args: &ServeArgs, folder: &Path, words: &[String]) -> Result<RunArg
     Ok(run)
 }
 
-/// One run; its folder and its summary.
+/// One run, and what became of it, for whoever asked.
 fn one_run(
     args: &ServeArgs,
+    (run, asked): (&str, (&Path, &[String], &str)),
+    link: Link,
+    quiet: bool,
+    interrupts: &mut Option<Interrupts>,
+) -> Value {
+    // Whoever starts the processes takes it.
+    let link = Rc::new(RefCell::new(Some(link)));
+    match summed_up(args, asked, &link, quiet, interrupts) {
+        Ok((folder, summary)) => json!({ "run": run, "folder": folder, "summary": summary }),
+        Err(error) => {
+            words::say(&format!("error: {error}\n"));
+            let text = screen::plain(&error.to_string());
+            if let Some(mut link) = link.take() {
+                // One that has just ended hears nothing of it, and is asked no more.
+                let _ = link.heard.tell(&Told::Refuse(text.clone()));
+                link.end();
+            }
+            json!({ "run": run, "error": text })
+        }
+    }
+}
+
+/// Its folder and its summary.
+fn summed_up(
+    args: &ServeArgs,
     (folder, words, compared): (&Path, &[String], &str),
-    mut link: Link,
+    link: &Rc<RefCell<Option<Link>>>,
     quiet: bool,
     interrupts: &mut Option<Interrupts>,
 ) -> Result<(PathBuf, Value), CliError> {
-    let prepared = is_as_compared(args, compared)
-        .and_then(|()| arguments(args, folder, words))
-        .and_then(|run| Prepared::of(&run, quiet, interrupts, false));
-    let prepared = match prepared {
-        Ok(prepared) => prepared,
-        Err(error) => {
-            link.heard.tell(&Told::Refuse(screen::plain(&error.to_string())))?;
-            link.end();
-            return Err(error);
-        }
-    };
+    is_as_compared(args, compared)?;
+    let run = arguments(args, folder, words)?;
+    let mut prepared = Prepared::of(&run, quiet, interrupts, false)?;
     let path = prepared.setup.folder.path.clone();
-    prepared.setup.link.replace(Some(link));
+    prepared.setup.link = Rc::clone(link);
     prepared.go(quiet, interrupts, None)?;
     let summary = path.join(SUMMARY);
     let text = intake::text(&summary, intake::SUMMARY).map_err(|error| CliError::file(&summary, error))?;

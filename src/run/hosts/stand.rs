@@ -79,6 +79,9 @@ pub(super) fn stand(
             }
             None => {}
         }
+        if interrupts.as_mut().is_some_and(Interrupts::ends) {
+            lost.get_or_insert_with(|| "`pitchlock serve` was told to end".into());
+        }
         if lost.is_some() {
             panel.is_left();
         }
@@ -88,6 +91,12 @@ pub(super) fn stand(
         }
     }
     let ended = panel.ends();
+    let ended = match lost {
+        Some(why) if ended.is_ok() => {
+            Err(CliError::Machine(format!("the link to the panel was lost, and the machine stopped: {why}")))
+        }
+        _ => ended,
+    };
     match &ended {
         Err(error @ CliError::Input(_)) => {
             link.heard.tell(&Told::Refuse(screen::plain(&error.to_string())))?
@@ -96,12 +105,7 @@ pub(super) fn stand(
         Ok(()) => link.heard.tell(&Told::Over)?,
     }
     link.end();
-    match lost {
-        Some(why) => {
-            Err(CliError::Machine(format!("the link to the panel was lost, and the machine stopped: {why}")))
-        }
-        None => ended,
-    }
+    ended
 }
 
 /// The process of the panel's launcher.
