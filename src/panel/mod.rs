@@ -301,3 +301,20 @@ pub(crate) fn server() -> Result<ExitCode, CliError> {
     ::panel::serve(TcpListener::from(listener), UnixStream::from(link), scope::saved).map_err(wrong)?;
     Ok(ExitCode::SUCCESS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::next;
+
+    #[test]
+    fn each_run_behind_the_first_one_has_a_folder_of_its_own() {
+        let place = tempfile::tempdir().expect("a folder");
+        let out = place.path().join("made");
+        assert_eq!(next(&out, false), out);
+        for name in ["made", "made-2", "made-3"] {
+            std::fs::create_dir(place.path().join(name)).expect("a folder");
+        }
+        assert_eq!(next(&out, true), place.path().join("made-4"));
+        assert_eq!(next(&out, false), out, "one that is there already is refused by name");
+    }
+}
