@@ -2,7 +2,7 @@
 
 use rig::observe::{PassReport, Summary, TapReport};
 
-use super::verdict::{Grade, LOOK_SHARE, Verdict, um};
+use super::verdict::{Grade, LOOK_SHARE, Verdict, more_than_half, um};
 use crate::table::{Column, Table};
 
 const COLUMNS: [Column<PassReport>; 9] = [
@@ -59,11 +59,8 @@ pub(super) fn says(summary: &Summary, verdict: &mut Verdict) {
         ),
     );
     let too_near = worst_um(summary).is_some_and(|off| off > LOOK_SHARE * summary.part.error_um);
-    if too_near && summary.part.reasons.is_empty() {
-        let allowed = um(summary.part.error_um);
-        let words =
-            format!("That is more than half of the {allowed} that threading.part_error_um allows, in a tap.");
-        verdict.say(Grade::Look, words);
+    if too_near {
+        more_than_half(summary, "a tap", verdict);
     }
 }
 
@@ -82,7 +79,7 @@ pub(super) fn table(summary: &Summary) -> Option<Table> {
 
 #[cfg(test)]
 mod tests {
-    use rig::observe::{Outcome, PassReport, Summary, TapReport, ToolReport};
+    use rig::observe::{Outcome, PartVerdict, PassReport, Summary, TapReport, ToolReport};
 
     use super::super::verdict::{Grade, of};
     use super::table;
@@ -110,6 +107,7 @@ mod tests {
         };
         let mut summary = Summary { outcome: Outcome::Completed, passes: vec![pass], ..Summary::default() };
         summary.passes[0].x_slide.thread_max_abs_um = 60.0;
+        summary.part.verdict = PartVerdict::Good;
         let verdict = of(&summary);
         let told = "The program ran to its end. One tap was cut. It kept to the helix within 3.10 µm on the way in, 3.40 µm \
                     while the spindle turned round and 3.60 µm on the way out, at most 7.00 µm short of the depth.";
@@ -120,7 +118,9 @@ mod tests {
         let verdict = of(&summary);
         let words = verdict.sentences.join(" ");
         assert!(
-            verdict.grade == Grade::Look && words.contains("2.00 µm deeper") && words.ends_with("in a tap."),
+            verdict.grade == Grade::Look
+                && words.contains("2.00 µm deeper")
+                && words.contains("in a tap: name the"),
             "{words}"
         );
     }
