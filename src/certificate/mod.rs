@@ -210,6 +210,7 @@ impl Certificate {
         let part = match self.verdict {
             PartVerdict::Good => "good",
             PartVerdict::Bad => "not good",
+            PartVerdict::None if self.outcome != Outcome::Completed => "not judged: it is not finished",
             PartVerdict::None if self.gauge.is_some() => "not judged: its gauge has no verdict",
             PartVerdict::None => "not judged: the tool touched no material",
         };
@@ -226,8 +227,9 @@ impl Certificate {
     /// What people see.
     pub(crate) fn text(&self) -> String {
         let mut text = format!("certificate: {}\n", self.sentence());
+        let what = if self.verdict == PartVerdict::Bad { "not good" } else { "no verdict" };
         self.reasons.iter().for_each(|reason| {
-            let _ = writeln!(text, "  not good: {reason}");
+            let _ = writeln!(text, "  {what}: {reason}");
         });
         if let Some(gauge) = &self.gauge {
             let _ = writeln!(text, "  gauge: {gauge}");

@@ -6,6 +6,7 @@ use report::{
     page::{document, pictures},
     paint::{BLUE, Figure, ORANGE, axis},
 };
+use rig::observe::PartVerdict;
 use serde_json::{Value, json};
 
 use super::{Certificate, Row};
@@ -39,7 +40,7 @@ fn verdict(certificate: &Certificate) -> Markup {
     html! {
         div.verdict.(certificate.class()) {
             p { "It was " (certificate.sentence()) "." }
-            @for reason in &certificate.reasons { p { "Not good: " (reason) } }
+            @for reason in &certificate.reasons { p { (if certificate.verdict == PartVerdict::Bad { "Not good: " } else { "No verdict: " }) (reason) } }
             @if let Some(gauge) = &certificate.gauge { p { "Gauge: " (gauge) } }
             @for note in &certificate.notes { p { (note) } }
         }

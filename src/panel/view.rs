@@ -65,12 +65,12 @@ pub(super) fn part(summary: &Summary, folder: &Path) -> Value {
     let groove = summary.groove.iter().map(|groove| groove.sentence());
     let gauges = summary.gauged().iter().map(|gauge| gauge.sentence());
     // What a gauge says against it is said once.
-    let by_gauge = |reason: &str| {
+    let by_gauge = |told: &str| {
+        let reason = told.trim_start_matches("not good: ");
         let of = |name: &str| reason.strip_prefix(name).is_some_and(|rest| rest.starts_with(": "));
         summary.gauged().iter().any(|gauge| of(&gauge.name))
     };
-    let reasons = summary.part.reasons.iter().filter(|reason| !by_gauge(reason));
-    let reasons = reasons.map(|reason| format!("not good: {reason}"));
+    let reasons = summary.part.told().filter(|told| !by_gauge(told));
     let report = folder.join("report.html").display().to_string();
     let words: Vec<_> = groove.chain(gauges).chain(reasons).collect();
     json!({ "verdict": summary.part.verdict, "words": words, "report": report })

@@ -386,7 +386,6 @@ fn status(summary: &Summary) -> ExitCode {
     if summary.outcome != Outcome::Completed {
         return ExitCode::from(1);
     }
-    let reasons = &summary.part.reasons;
-    reasons.iter().for_each(|reason| words::say(&format!("not good: {reason}\n")));
-    if reasons.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(3) }
+    summary.part.told().for_each(|told| words::say(&format!("{told}\n")));
+    if summary.part.reasons.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(3) }
 }

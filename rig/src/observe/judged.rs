@@ -7,11 +7,12 @@
 //! Work from formulas is judged by what its job asks for. Where a gauge is asked for, what it refuses speaks
 //! against the part, and so does a ring that was cut in a loss of power, before a run that goes on; where the
 //! gauge has no verdict, the part has none either, nor where the program was begun at a line in its middle.
+//! A part that is still being cut when its run ends has no verdict, but for what speaks against it already.
 
 use machine::Threading;
 use serde::{Deserialize, Serialize};
 
-use super::{PassReport, RingReport, Summary, verdict::PartVerdict};
+use super::{Outcome, PassReport, RingReport, Summary, verdict::PartVerdict};
 
 /// The part, as far as it is judged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,8 +22,16 @@ pub struct PartReport {
     pub verdict: PartVerdict,
     /// What a thread may be off at the tool.
     pub error_um: f64,
-    /// What speaks against it.
+    /// What speaks against it, or why it is not finished.
     pub reasons: Vec<String>,
+}
+
+impl PartReport {
+    /// The reasons, each with what it is a reason for.
+    pub fn told(&self) -> impl Iterator<Item = String> {
+        let what = if self.verdict == PartVerdict::Bad { "not good" } else { "no verdict" };
+        self.reasons.iter().map(move |reason| format!("{what}: {reason}"))
+    }
 }
 
 impl Default for PartReport {
@@ -34,10 +43,10 @@ impl Default for PartReport {
 
 /// Judges the part of a run.
 pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
-    let mut reasons = Vec::new();
-    for pass in summary.interrupted().filter(|last| !last.complete) {
-        reasons.push(format!("pass {} was not cut to its end", pass.pass));
-    }
+    let finished = summary.outcome == Outcome::Completed;
+    let broken = summary.interrupted().filter(|last| !last.complete);
+    let broken: Vec<_> = broken.map(|pass| format!("pass {} was not cut to its end", pass.pass)).collect();
+    let mut reasons = if finished { broken.clone() } else { Vec::new() };
     for pass in summary.passes.iter().filter(|pass| !pass.same_index) {
         reasons.push(format!("the axes of pass {} started from different indexes of the spindle", pass.pass));
     }
@@ -59,7 +68,8 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
     }
     let judges = !summary.traces.is_empty() || summary.touched().next().is_some();
     // What was cut before the line at which a program is begun has been judged by nobody.
-    let undecided = summary.from_line.is_some()
+    let undecided = !finished
+        || summary.from_line.is_some()
         || summary.gauged().iter().any(|gauge| gauge.verdict == PartVerdict::None)
         || summary.groove.iter().any(|groove| groove.verdict == PartVerdict::None);
     let verdict = match (reasons.is_empty(), judges && !undecided) {
@@ -67,6 +77,9 @@ pub(super) fn judged(summary: &Summary, error_um: f64) -> PartReport {
         (true, true) => PartVerdict::Good,
         (true, false) => PartVerdict::None,
     };
+    if !finished {
+        reasons.splice(0..0, broken);
+    }
     PartReport { verdict, error_um, reasons }
 }
 

@@ -4,7 +4,9 @@ use machine::{Machine, PLAIN_LATHE, Part};
 use protocol::{Axis, Position, ThreadPass};
 
 use super::ideal::{Ideal, Injected, lay_out, pass};
-use crate::observe::{DeviationReport, GaugeReport, Observation, PartVerdict, PassReport, TraceReport};
+use crate::observe::{
+    DeviationReport, GaugeReport, Observation, Outcome, PartVerdict, PassReport, TraceReport,
+};
 
 /// Where the tool of [`pass`] enters the stock, degrees: 5 mm at 360°, Z 0 two and a half turns behind.
 const FACE_DEG: f64 = 1260.0;
@@ -200,13 +202,18 @@ fn a_work_is_judged_by_its_commanded_path() {
         let of = |low_um: f64| DeviationReport { low_um, ..DeviationReport::default() };
         let (commanded, slide) = (of(low_um), of(slide_um));
         let trace = TraceReport { line: 7, commanded, slide, most_um: Some(2.0), ..TraceReport::default() };
-        Observation { traces: vec![trace], ..Observation::default() }.summary("part.toml", "virtual").part
+        Observation { traces: vec![trace], outcome: Outcome::Completed, ..Observation::default() }
+            .summary("part.toml", "virtual")
+            .part
     };
     assert_eq!(part(-1.9, -25.0).verdict, PartVerdict::Good, "what a slide may be off, no job says");
     let gauged = |verdict| {
         let gauge = Some(GaugeReport { verdict, ..GaugeReport::default() });
         let traces = vec![TraceReport { line: 7, most_um: Some(2.0), ..TraceReport::default() }];
-        Observation { traces, gauge, ..Observation::default() }.summary("part.toml", "virtual").part.verdict
+        Observation { traces, gauge, outcome: Outcome::Completed, ..Observation::default() }
+            .summary("part.toml", "virtual")
+            .part
+            .verdict
     };
     let all = [PartVerdict::Good, PartVerdict::None];
     assert_eq!(all.map(gauged), all, "a gauge that decides nothing makes no part good");
