@@ -50,6 +50,73 @@ fn the_crest_of_a_nut_is_what_was_drilled() {
     }
 }
 
+/// Holes of a mill and of a lathe that are too wide, beside their tap, not as deep as they are tapped, or not
+/// there: what the gauge says, and the exit status.
+#[test]
+fn a_tapped_hole_is_as_good_as_what_was_drilled() {
+    let place = Place::new();
+    let block = "(part, block X0 Y0 Z-20 X60 Y40 Z0)\n";
+    let mill = |part: &str, x: f64, z: f64| {
+        let drilled = format!("T2 M6\nM3 S900\nG0 X{x} Y20\nG0 Z5\nG1 Z{z} F200\nG0 Z5\n");
+        let drilled = if z < 0.0 { drilled } else { String::new() };
+        format!(
+            "{part}(thread, M6x1-6H)\nG17 G21 G90 G94\n{drilled}T1 M6\nM3 S600\nG0 X10 Y20\nG0 Z5\n\
+             G33.1 Z-14 K1\nG0 Z30\nM5\nM2\n"
+        )
+    };
+    let lathe = |part: &str, z: f64| {
+        let drilled = format!("T2 M6\nM3 S800\nG0 X0 Z8\nG1 Z{z} F100\nG0 Z8\n");
+        let drilled = if z < 0.0 { drilled } else { String::new() };
+        format!(
+            "{part}(thread, M8x1.25-6H)\nG18 G21 G90 G8 G94 G97\n{drilled}T5 M6\nM3 S500\nG0 X0 Z8\n\
+             G33.1 Z-18 K1.25\nG0 Z60\nM5\nM2\n"
+        )
+    };
+    let bar = "(part, bar D30 L60)\n";
+    let solid = "nothing drilled the hole that is tapped, and the part that is described is solid there";
+    let shallow = " and tapped to Z-";
+    let small = ["--machine", "mill.toml"];
+    let cases = [
+        (mill("", 10.0, -16.0), Some(5.0), "good", ""),
+        (mill(block, 10.0, -16.0), Some(5.0), "good", ""),
+        (mill("", 10.0, -16.0), Some(6.2), "bad", "crest: minor diameter 6.2"),
+        (mill("", 10.0, -16.0), Some(9.0), "bad", "crest: minor diameter 9.0"),
+        (mill("", 10.6, -16.0), Some(5.0), "bad", "the hole is drilled 0.600 mm beside the tap"),
+        (mill("", 10.0, -16.0), None, "good", "nobody said how wide tool 2, which drilled the hole, is"),
+        (mill("", 10.0, 0.0), Some(5.0), "good", "nothing in the program drilled the hole"),
+        (mill(block, 10.0, 0.0), Some(5.0), "none", solid),
+        (mill("", 10.0, -10.0), Some(5.0), "none", shallow),
+        (mill(block, 10.0, -10.0), Some(5.0), "bad", shallow),
+        (lathe("", -20.0), Some(6.8), "good", ""),
+        (lathe("", -10.0), Some(6.8), "none", shallow),
+        (lathe(bar, -10.0), Some(6.8), "bad", shallow),
+        (lathe(bar, 0.0), Some(6.8), "none", solid),
+        (lathe("(part, tube D30 I6.8 L60)\n", 0.0), Some(6.8), "good", "nothing in the program drilled"),
+    ];
+    place.write("mill.toml", machine::SMALL_MILL);
+    for (program, width_mm, verdict, says) in cases {
+        place.write("tap.ngc", &program);
+        let d = width_mm.map_or_else(String::new, |mm| format!(" D{mm}"));
+        place.write("tools.tbl", format!("T1 P1\nT2 P2{d}\nT5 P5\n"));
+        let machine = if program.contains("G17") { &small[..] } else { &[] };
+        let answer = run(&place, "tap.ngc", &[&["--tools", "tools.tbl"], machine].concat());
+        let gauge = summary(&place)["gauge"].clone();
+        let told = format!("{program}{width_mm:?} {gauge:#}\n{}", answer.stderr);
+        assert_eq!(gauge["verdict"], verdict, "{told}");
+        assert_eq!(answer.status, Some(if verdict == "bad" { 3 } else { 0 }), "{told}");
+        assert!(
+            gauge.to_string().contains(says) && answer.stdout.contains(says),
+            "{told}\n{}",
+            answer.stdout
+        );
+        assert_eq!(summary(&place)["part"]["verdict"], verdict, "{told}");
+        if verdict == "good" && says.is_empty() {
+            let crest_mm = gauge["crest_mm"][0].as_f64().expect("a diameter");
+            assert!((crest_mm - width_mm.unwrap_or_default()).abs() < 0.02, "{told}");
+        }
+    }
+}
+
 /// Half of a thread is no thread: a run that is aborted has no verdict of its gauge, and says so everywhere.
 #[test]
 fn a_part_that_is_not_finished_has_no_verdict_of_its_gauge() {

@@ -21,6 +21,7 @@
 mod crossings;
 mod drawn;
 mod edge;
+mod hole;
 mod length;
 mod report;
 mod tapped;
@@ -36,7 +37,9 @@ use crossings::Crossings;
 pub(super) use drawn::Grooved;
 pub use drawn::{GrooveAsked, GrooveReport};
 use edge::edge_of;
+use hole::Hole;
 use length::{full_mm, judged_mm, longer_mm};
+use report::other_side;
 pub use report::{GaugeLimits, GaugeReport};
 use tapped::{Tap, holes};
 pub(super) use turned::Drill;
@@ -92,6 +95,8 @@ pub(super) struct Gauged {
     begun: u32,
     /// What was turned there.
     turned: Turned,
+    /// The hole that is tapped.
+    tapped: Option<Hole>,
     /// Of the places that are too far from the thread to have cut any of it, the nearest.
     far: Option<Place>,
     /// Whether a pass cuts the other side: a bore for a screw, a shaft for a nut.
@@ -115,7 +120,10 @@ impl Gauged {
         let holes = holes(&program, asked.nominal.pitch_diameter_mm[0]);
         let places = PLACES / holes.len().max(1);
         let hole = |(mm, passes): (_, BTreeMap<u32, Planned>)| {
-            Gauged::of(machine, &passes, asked.clone(), Some(mm), places)
+            let moved_mm = hole::moved_mm(&passes, &program, &asked.origins_mm);
+            let mut gauged = Gauged::of(machine, &passes, asked.clone(), Some(mm), places);
+            gauged.tapped = gauged.tapped.map(|hole| hole.moved(moved_mm));
+            gauged
         };
         let mut holes = holes.into_iter();
         let first = hole(holes.next().unwrap_or_default());
@@ -152,6 +160,7 @@ impl Gauged {
             others: Vec::new(),
             begun: 0,
             turned: Turned::new(&asked.nominal, [0.0; 2]),
+            tapped: None,
             far: None,
             other_side: false,
             in_place_mm: None,
@@ -187,7 +196,7 @@ impl Gauged {
         // Pecks stop in the thread that they cut: the deepest of them has all of it.
         lengths_mm.extend(tapped_mm);
         gauged.full_mm = judged_mm(&lengths_mm);
-        gauged.turned = Turned::new(&gauged.asked.nominal, gauged.full_mm);
+        gauged.finds_hole(program);
         gauged
     }
 
@@ -220,13 +229,14 @@ impl Gauged {
         drill: Drill,
         truth: &Truth,
     ) {
-        if self.hole_mm.is_some() {
-            return;
-        }
         let first = || self.asked.origins_mm.values().next().copied();
         let [x, z] = origin_mm.or(self.in_place_mm).or_else(first).unwrap_or_default();
         let slide = |axis: Axis| truth.axes[axis.index()].slide_mm;
-        self.turned.cycle(at_a_feed.then(|| [slide(Axis::X) - x, slide(Axis::Z) - z]), drill);
+        let [x, y] =
+            self.hole_mm.map_or([slide(Axis::X) - x, 0.0], |[x, y]| [slide(Axis::X) - x, slide(Axis::Y) - y]);
+        let z = z + self.tapped.map_or(0.0, Hole::moved_mm);
+        self.turned.cycle(at_a_feed.then(|| [x, y, slide(Axis::Z) - z]), drill);
+        self.others.iter_mut().for_each(|other| other.turns(at_a_feed, origin_mm, drill, truth));
     }
 
     /// What was gauged so far counts for a run that goes on, whose tools may be others: `now` is what that
@@ -295,32 +305,6 @@ impl Gauged {
         }
     }
 
-    /// What the gauge says; of several holes, of the worst.
-    pub(super) fn report(&self) -> GaugeReport {
-        let told = std::iter::once(self).chain(&self.others).map(Gauged::of_hole);
-        let Some(mut worst) = told.reduce(|one, other| if other.is_worse_than(&one) { other } else { one })
-        else {
-            return self.of_hole();
-        };
-        if !self.others.is_empty() {
-            let holes = 1 + self.others.len();
-            worst
-                .notes
-                .push(format!("{holes} holes, each judged by itself: these are the figures of the worst"));
-        }
-        worst
-    }
-
-    /// What it says of the part of a lathe, or of one hole.
-    fn of_hole(&self) -> GaugeReport {
-        let mut report = self.of_thread();
-        report.passes = self.edges.keys().copied().collect();
-        if let (Some([x, y]), false) = (self.hole_mm, report.reasons.is_empty()) {
-            report.reasons[0].insert_str(0, &format!("hole at X {x:.3} Y {y:.3} of the machine: "));
-        }
-        report
-    }
-
     fn of_thread(&self) -> GaugeReport {
         let nominal = &self.asked.nominal;
         let (planned, [low, high]) = (self.edges.len(), self.full_mm);
@@ -352,11 +336,17 @@ impl Gauged {
         if let Some(far) = self.far.filter(|_| self.kept == 0) {
             sections.to_mut().stations[0].push(far);
         }
-        let mut report = GaugeReport::of(nominal, gauge::judge(nominal, &sections, self.full_mm, worst_mm));
+        let mut found = gauge::judge(nominal, &sections, self.full_mm, worst_mm);
+        if let Some(hole) = self.tapped {
+            found.reasons.iter_mut().for_each(|reason| hole.names_cause(nominal, reason));
+        }
+        let mut report = GaugeReport::of(nominal, found);
         report.crest_mm = crest_mm.map(Vec::from).unwrap_or_default();
         if crest_mm.is_none() && nominal.crest_mm.iter().any(Option::is_some) {
-            report.notes.push(self.turned.unknown_drill().map_or(CREST.into(), turned::unknown));
+            let drilled = || self.turned.unknown_drill().map_or(CREST.into(), turned::unknown);
+            report.notes.push(self.tapped.map_or_else(drilled, |hole| hole.crest_unknown(&self.turned)));
         }
+        report.notes.extend(self.tapped.and_then(|_| Hole::beside(&self.turned)));
         report.notes.extend(self.assumed.iter().cloned());
         report.notes.extend(nominal.left_out.iter().map(|note| String::from(*note)));
         let lead_mm = nominal.pitch_mm * f64::from(nominal.starts);
@@ -367,22 +357,16 @@ impl Gauged {
                 self.edges.len()
             )),
             PartVerdict::Good if report.length_mm < SHORT * lead_mm => {
-                report.verdict = PartVerdict::None;
-                report.reasons.push(format!("{:.2} mm of full thread is less than a turn", report.length_mm));
+                report
+                    .undecided_for(format!("{:.2} mm of full thread is less than a turn", report.length_mm));
             }
             _ => {}
         }
-        report
-    }
-}
-
-/// A nut is no screw.
-fn other_side(nominal: &Nominal) -> String {
-    let name = &nominal.name;
-    match nominal.side {
-        Side::External => {
-            format!("the thread is cut away from the axis, as in a bore, and {name} is a screw")
+        match self.tapped.and_then(|hole| hole.told(&self.turned)) {
+            Some((PartVerdict::Bad, why)) => report.bad_for(why),
+            Some((_, why)) if report.verdict == PartVerdict::Good => report.undecided_for(why),
+            _ => {}
         }
-        Side::Internal => format!("the thread is cut towards the axis, as on a shaft, and {name} is a nut"),
+        report
     }
 }

@@ -124,6 +124,18 @@ impl GaugeReport {
         GaugeReport { verdict: PartVerdict::None, reasons: vec![UNFINISHED.into()], ..self }
     }
 
+    /// Refused for another reason besides.
+    pub(super) fn bad_for(&mut self, why: String) {
+        self.verdict = PartVerdict::Bad;
+        self.reasons.push(why);
+    }
+
+    /// Without a verdict, and why.
+    pub(super) fn undecided_for(&mut self, why: String) {
+        self.verdict = PartVerdict::None;
+        self.reasons.push(why);
+    }
+
     /// With what was found; measures of nothing are left empty.
     pub(super) fn of(nominal: &Nominal, found: gauge::Report) -> GaugeReport {
         let [low, high] = found.pitch_diameter_mm;
@@ -208,5 +220,16 @@ impl GaugeReport {
             PartVerdict::Bad => format!("{} not good: {reasons}", self.name),
             PartVerdict::None => format!("{} no verdict: {reasons}", self.name),
         }
+    }
+}
+
+/// A nut is no screw.
+pub(super) fn other_side(nominal: &Nominal) -> String {
+    let name = &nominal.name;
+    match nominal.side {
+        Side::External => {
+            format!("the thread is cut away from the axis, as in a bore, and {name} is a screw")
+        }
+        Side::Internal => format!("the thread is cut towards the axis, as on a shaft, and {name} is a nut"),
     }
 }

@@ -11,6 +11,10 @@
 //! A tool that goes along the axis is a drill: its hole is as wide as the tool, from as far behind the tip as
 //! its point is long. How wide one is that nobody described is not known, nor is the crest that it leaves,
 //! unless it is bored afterwards.
+//!
+//! On a mill the hole stands. A tool that covers its axis and goes along it is a drill, whose hole is wider
+//! by twice as much as it lies beside; one that covers the axis and goes across leaves no crest above its
+//! tip. Where the hole begins is not always known, and spot drills are wide: the deeper half is looked at.
 
 use gauge::{Nominal, Side};
 
@@ -65,8 +69,15 @@ pub(super) struct Turned {
     /// In each place; none where nothing was turned.
     cuts: Vec<Option<Cut>>,
     /// Where the way that is looked at began.
-    from: Option<[f64; 2]>,
+    from: Option<[f64; 3]>,
     goes_along: bool,
+    goes_across: bool,
+    /// The part stands and the tool turns: towards which Z the hole of a mill goes.
+    stands: Option<f64>,
+    /// Least and largest Z of tips that went along in the hole.
+    reached_mm: Option<[f64; 2]>,
+    /// How far beside its axis it was drilled at most.
+    beside_mm: f64,
 }
 
 impl Turned {
@@ -78,21 +89,43 @@ impl Turned {
         let [one, other] = nominal.flank_deg.map(|deg| libm::tan(deg.to_radians()));
         let reach = 0.55 * nominal.pitch_mm / (one + other);
         let pitch_line_mm = [middle - slope * nominal.plane_mm, slope, reach];
-        Turned { side, pitch_line_mm, along_mm, cuts: vec![None; BINS], from: None, goes_along: false }
+        Turned {
+            side,
+            pitch_line_mm,
+            along_mm,
+            cuts: vec![None; BINS],
+            from: None,
+            goes_along: false,
+            goes_across: false,
+            stands: None,
+            reached_mm: None,
+            beside_mm: 0.0,
+        }
     }
 
-    /// Takes a control cycle: X from the axis and Z, if the tool is moved at a feed, and what it is on the
-    /// axis.
-    pub(super) fn cycle(&mut self, tip: Option<[f64; 2]>, drill: Drill) {
-        let (Some([x0, z0]), Some([x, z])) = (self.from, tip) else {
-            (self.from, self.goes_along) = (tip, false);
+    /// The same in a part that stands: a hole of a mill that goes towards higher Z (1) or lower (−1).
+    pub(super) fn standing(self, way: f64) -> Turned {
+        Turned { stands: Some(way), ..self }
+    }
+
+    /// Takes a control cycle: X and Y from the axis (0 on a lathe) and Z, if the tool is moved at a feed, and
+    /// what it is on the axis.
+    pub(super) fn cycle(&mut self, tip: Option<[f64; 3]>, drill: Drill) {
+        let (Some([x0, y0, z0]), Some([x, y, z])) = (self.from, tip) else {
+            (self.from, self.goes_along, self.goes_across) = (tip, false, false);
             return;
         };
-        if libm::hypot(x - x0, z - z0) >= WAY_MM {
-            (self.from, self.goes_along) = (tip, (x - x0).abs() <= STEEPEST * (z - z0).abs());
+        let (across, along) = (libm::hypot(x - x0, y - y0), (z - z0).abs());
+        if libm::hypot(across, along) >= WAY_MM {
+            self.from = tip;
+            self.goes_along = across <= STEEPEST * along;
+            self.goes_across = !self.goes_along;
+        }
+        if let Some(way) = self.stands {
+            return self.mills(libm::hypot(x, y), z, drill, way);
         }
         if self.side == Side::Internal && self.goes_along && x.abs() < ON_AXIS_MM {
-            return self.drills(z, drill);
+            return self.drills(0.0, z, drill);
         }
         let Some(bin) = self.bin(z) else { return };
         let [middle, slope, reach] = self.pitch_line_mm;
@@ -102,7 +135,39 @@ impl Turned {
             return;
         }
         let cut = Cut { radius_mm: x.abs(), along: self.goes_along, drilled: false, unknown: None };
+        if cut.along {
+            self.reaches(z);
+        }
         self.cuts_to(bin, cut);
+    }
+
+    /// A tool that turns, so far beside the axis of a hole that goes one way along Z.
+    fn mills(&mut self, beside_mm: f64, z: f64, drill: Drill, way: f64) {
+        let covers = beside_mm < drill.shape_mm.map_or(ON_AXIS_MM, |[radius_mm, _]| radius_mm);
+        if covers && self.goes_along {
+            self.beside_mm = self.beside_mm.max(beside_mm);
+            self.drills(beside_mm, z, drill);
+        } else if covers && self.goes_across {
+            let wide = Cut { radius_mm: f64::MAX, along: false, drilled: false, unknown: None };
+            let [low, high] = self.along_mm;
+            let at = |bin: usize| low + (high - low) * (bin as f64 + 0.5) / BINS as f64;
+            (0..BINS).filter(|bin| way * (at(*bin) - z) <= 0.0).for_each(|bin| self.cuts[bin] = Some(wide));
+        }
+    }
+
+    fn reaches(&mut self, z: f64) {
+        let [low, high] = self.reached_mm.unwrap_or([z, z]);
+        self.reached_mm = Some([low.min(z), high.max(z)]);
+    }
+
+    /// How far along a hole that goes towards higher Z (1) or lower (−1) a tip went along it.
+    pub(super) fn reached_mm(&self, way: f64) -> Option<f64> {
+        self.reached_mm.map(|[low, high]| if way < 0.0 { low } else { high })
+    }
+
+    /// How far beside its axis a hole was drilled at most.
+    pub(super) fn beside_mm(&self) -> f64 {
+        self.beside_mm
     }
 
     /// The number of a place along the thread.
@@ -112,8 +177,9 @@ impl Turned {
         ((low..=high).contains(&z) && low < high && (bin as usize) < BINS).then_some(bin as usize)
     }
 
-    /// A drill with its tip at Z: the point leaves a cone, which is no crest.
-    fn drills(&mut self, z: f64, Drill { tool, shape_mm }: Drill) {
+    /// A drill with its tip at Z, so far beside the axis: the point leaves a cone, which is no crest.
+    fn drills(&mut self, beside_mm: f64, z: f64, Drill { tool, shape_mm }: Drill) {
+        self.reaches(z);
         let cone = Cut { radius_mm: 0.0, along: false, drilled: true, unknown: None };
         let Some([radius_mm, point_mm]) = shape_mm else {
             let Some(bin) = self.bin(z) else { return };
@@ -124,8 +190,9 @@ impl Turned {
             return;
         };
         self.bin(z).into_iter().for_each(|bin| self.cuts_to(bin, cone));
-        let wall = Cut { radius_mm, along: true, ..cone };
-        self.bin(z + point_mm).into_iter().for_each(|bin| self.cuts_to(bin, wall));
+        let wall = Cut { radius_mm: radius_mm + beside_mm, along: true, ..cone };
+        let away = self.stands.map_or(1.0, |way| -way);
+        self.bin(z + away * point_mm).into_iter().for_each(|bin| self.cuts_to(bin, wall));
     }
 
     fn cuts_to(&mut self, bin: usize, cut: Cut) {
@@ -147,9 +214,14 @@ impl Turned {
     /// Least and largest diameter, mm; `None` if some of the length was not turned, or half of it is no
     /// crest.
     pub(super) fn diameters_mm(&self) -> Option<[f64; 2]> {
-        let cuts: Vec<Cut> = self.cuts.iter().copied().collect::<Option<_>>()?;
+        let looked_at = match self.stands {
+            None => &self.cuts[..],
+            Some(way) if way < 0.0 => &self.cuts[..BINS / 2],
+            Some(_) => &self.cuts[BINS / 2..],
+        };
+        let cuts: Vec<Cut> = looked_at.iter().copied().collect::<Option<_>>()?;
         let crest = || cuts.iter().filter(|cut| cut.along).map(|cut| cut.radius_mm);
-        if 2 * crest().count() < BINS {
+        if 2 * crest().count() < cuts.len() {
             return None;
         }
         Some([2.0 * crest().reduce(f64::min)?, 2.0 * crest().reduce(f64::max)?])
@@ -193,8 +265,8 @@ mod tests {
     }
 
     fn cuts(turned: &mut Turned, [from, to]: [[f64; 2]; 2], drill: Drill) {
-        let at = |step: i32| [0, 1].map(|i| from[i] + (to[i] - from[i]) * f64::from(step) / 2000.0);
-        (0..=2000).for_each(|step| turned.cycle(Some(at(step)), drill));
+        let along = |i: usize, step: i32| from[i] + (to[i] - from[i]) * f64::from(step) / 2000.0;
+        (0..=2000).for_each(|step| turned.cycle(Some([along(0, step), 0.0, along(1, step)]), drill));
         turned.cycle(None, drill);
     }
 
@@ -222,6 +294,31 @@ mod tests {
         assert_eq!(drilled(&[(drill(3, Some(25.0), None), -12.0), (wide, -30.0)], None).0, Some([17.4; 2]));
         assert_eq!(drilled(&[(wide, -21.0)], None), (Some([17.4; 2]), None));
         assert_eq!(drilled(&[(wide, -14.0)], None), (None, None), "not all of it");
+    }
+
+    /// Holes of a mill: what lies beside the axis is wider, what does not cover it drills another hole, a
+    /// spot drill in front of the mouth and a pocket above the thread are no crest of it.
+    #[test]
+    fn a_hole_of_a_mill_is_as_wide_as_its_drill_and_as_deep_as_that_went() {
+        let drill = |width_mm| Drill::of(1, Some(&ToolNote { width_mm, ..ToolNote::default() }));
+        let milled = |ways: &[(Option<f64>, [[f64; 2]; 2])]| {
+            let nut = gauge::Nominal { side: Side::Internal, ..m20x2() };
+            let mut turned = Turned::new(&nut, [-20.0, 2.0]).standing(-1.0);
+            ways.iter().for_each(|(width_mm, way)| cuts(&mut turned, *way, drill(*width_mm)));
+            (turned.diameters_mm(), turned.reached_mm(-1.0), turned.unknown_drill())
+        };
+        let down = |x: f64, z: f64| [[x, 5.0], [x, z]];
+        let spot = (Some(25.0), down(0.0, -2.0));
+        let hole = (Some(17.4), down(0.0, -30.0));
+        assert_eq!(milled(&[spot, hole]), (Some([17.4; 2]), Some(-30.0), None));
+        let (beside, ..) = milled(&[(Some(17.4), down(0.6, -30.0))]);
+        assert!(beside.is_some_and(|mm| mm.iter().all(|mm| (mm - 18.6).abs() < 1e-9)), "{beside:?}");
+        assert_eq!(milled(&[(Some(17.4), down(9.0, -30.0))]), (None, None, None), "another hole");
+        assert_eq!(milled(&[(None, down(0.0, -30.0))]), (None, Some(-30.0), Some(1)));
+        assert_eq!(milled(&[(Some(17.4), down(0.0, -6.0))]), (None, Some(-6.0), None), "too shallow");
+        let pocket = |z: f64| (Some(20.0), [[-30.0, z], [30.0, z]]);
+        assert_eq!(milled(&[hole, pocket(-3.0)]).0, Some([17.4; 2]));
+        assert_eq!(milled(&[hole, pocket(-19.0)]).0, None);
     }
 
     #[test]
