@@ -44,6 +44,11 @@ impl Outline {
         outline
     }
 
+    /// How far along Z from the tips anything is cut, mm.
+    pub(super) fn reach_mm(&self) -> f64 {
+        self.reach_mm
+    }
+
     /// y(z) below a crest (M161).
     pub(super) fn at(&self, z: f64, crest: f64) -> f64 {
         let first = self.tips.partition_point(|tip| tip.at[0] < z - self.reach_mm);

@@ -71,21 +71,20 @@ impl Profile {
         plain: &[Plain],
     ) -> Option<Profile> {
         let stock = stock.filter(|stock| stock.rows_mm.len() > 1);
-        let made = Made {
-            stock,
-            swept,
-            thread: thread.map(|thread| (thread, thread.outline(&thread.passes))),
-            plain,
-        };
+        let rows = stock.map(|stock| stock.rows_mm.as_slice()).unwrap_or_default();
+        let widest_mm = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
+        let thread = thread.map(|thread| (thread, thread.outline_in(widest_mm)));
+        let made = Made { stock, swept, thread, plain };
         let cut = swept.places_mm();
         let mut places = cut.clone();
-        if let Some(thread) = thread {
-            let [low, high] = thread.ends_mm;
+        if let Some((thread, outline)) = &made.thread {
+            // In a shoulder a flank is as wide as the shoulder is high.
+            let beyond = if widest_mm > 0.0 { outline.reach_mm() } else { 0.0 };
+            let [low, high] = [thread.ends_mm[0] - beyond, thread.ends_mm[1] + beyond];
             let n = (IN_A_TURN * (high - low) / thread.pitch_mm).clamp(2.0, MOST_PLACES) as usize;
             places.extend((0..=n).map(|i| low + (high - low) * i as f64 / n as f64));
         }
         places.extend(plain.iter().flat_map(|thread| thread.root_mm.iter().map(|place| place[0])));
-        let rows = stock.map(|stock| stock.rows_mm.as_slice()).unwrap_or_default();
         places.extend(rows.iter().flat_map(|row| [row[0] - STEP_SIDE_MM, row[0], row[0] + STEP_SIDE_MM]));
         places.sort_by(f64::total_cmp);
         let (low, high) = (*places.first()?, *places.last()?);
@@ -133,13 +132,12 @@ impl Made<'_> {
         let [outside, inside] = self.swept.at(z);
         let mut outer = least(stock, outside);
         let mut inner = self.stock.map_or(0.0, |stock| stock.inner_mm).max(inside.unwrap_or(0.0));
-        if let Some((thread, outline)) = &self.thread
-            && (thread.ends_mm[0]..=thread.ends_mm[1]).contains(&z)
-        {
-            let crest = thread.crest_at(z);
+        if let Some((thread, outline)) = &self.thread {
+            let is_within = (thread.ends_mm[0]..=thread.ends_mm[1]).contains(&z);
+            let crest = is_within.then(|| thread.crest_at(z));
             if thread.sign > 0.0 {
-                outer = Some(outline.at(z, outer.unwrap_or(crest)));
-            } else {
+                outer = outer.or(crest).map(|top| outline.at(z, top));
+            } else if let Some(crest) = crest {
                 let bore = if inner > 0.0 { -inner } else { crest };
                 inner = -outline.at(z, bore);
             }

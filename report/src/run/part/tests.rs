@@ -2,7 +2,7 @@
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use protocol::{Axis, AxisState};
-use rig::observe::{GaugeLimits, GaugeReport, PassReport, Summary, ToolNote};
+use rig::observe::{GaugeLimits, GaugeReport, PassReport, StockReport, Summary, ToolNote};
 use rig::trace::Row;
 
 use super::chips::chips;
@@ -10,6 +10,7 @@ use super::limits::{both, corners};
 use super::section::surface;
 use super::thread::Thread;
 use super::whole;
+use crate::paint::Figure;
 use crate::run::curves::Curves;
 use crate::run::tests::{row, summary};
 
@@ -238,17 +239,7 @@ fn a_thread_has_its_pictures_and_a_run_without_one_has_not() {
 fn the_whole_part_is_drawn_with_its_thread() {
     let (summary, curves) = cut(&[(DEPTH, 0.0, 0)], false);
     let figure = whole(&summary, &curves).expect("a picture");
-    let trace = |name: &str| {
-        let data = figure.plot["data"].as_array().expect("traces");
-        let trace = data.iter().find(|trace| trace["name"] == name).expect("the trace");
-        let numbers = |axis: &str| -> Vec<Option<f64>> {
-            match trace[axis].as_array() {
-                Some(numbers) => numbers.iter().map(serde_json::Value::as_f64).collect(),
-                None => packed(trace[axis]["bdata"].as_str().expect("numbers")),
-            }
-        };
-        numbers("x").into_iter().zip(numbers("y")).map(|(x, y)| Some((x?, y?))).collect::<Vec<_>>()
-    };
+    let trace = |name: &str| drawn(&figure, name);
     let outline: Vec<(f64, f64)> = trace("outline").into_iter().flatten().collect();
     let most = outline.iter().map(|(_, x)| *x).fold(0.0, f64::max);
     assert!((most - 2.0 * CREST).abs() < 1e-3, "{most}");
@@ -263,6 +254,37 @@ fn the_whole_part_is_drawn_with_its_thread() {
     let [first, .., last] = &flank[..] else { panic!("{flank:?}") };
     assert!((last.0 - first.0 - 0.25 * LEAD).abs() < 1e-3 && last.1.abs() < 1e-3, "{flank:?}");
     assert_eq!(figure.plot["layout"]["yaxis"]["scaleratio"].as_f64(), Some(0.5), "diameters");
+}
+
+/// A thread that ends in a high shoulder: above the axis and below the last flank goes on to the top of it,
+/// beyond the length of the thread, and behind that the part is as wide as the shoulder.
+#[test]
+fn the_last_flank_goes_through_a_shoulder() {
+    let shoulder = 20.0;
+    let (mut summary, curves) = cut(&[(DEPTH, 0.0, 0)], false);
+    let rows_mm = vec![[-60.0, shoulder], [-20.0, shoulder], [-20.0, CREST], [0.0, CREST]];
+    summary.stock = Some(StockReport { rows_mm, ..StockReport::default() });
+    let figure = whole(&summary, &curves).expect("a picture");
+    let outline: Vec<(f64, f64)> = drawn(&figure, "outline").into_iter().flatten().collect();
+    for (sign, last_tip) in [(1.0, -22.0), (-1.0, -23.0)] {
+        let wide = outline.iter().filter(|(_, x)| (sign * x - 2.0 * shoulder).abs() < 1e-3);
+        let top = wide.map(|(z, _)| *z).filter(|z| *z < -20.5).fold(f64::NEG_INFINITY, f64::max);
+        let flank_ends = last_tip - half_width(shoulder - CREST + DEPTH);
+        assert!((top - flank_ends).abs() < 0.05, "{sign}: {top}, not {flank_ends}");
+    }
+}
+
+/// A trace of a picture: Z and diameter.
+fn drawn(figure: &Figure, name: &str) -> Vec<Option<(f64, f64)>> {
+    let data = figure.plot["data"].as_array().expect("traces");
+    let trace = data.iter().find(|trace| trace["name"] == name).expect("the trace");
+    let numbers = |axis: &str| -> Vec<Option<f64>> {
+        match trace[axis].as_array() {
+            Some(numbers) => numbers.iter().map(serde_json::Value::as_f64).collect(),
+            None => packed(trace[axis]["bdata"].as_str().expect("numbers")),
+        }
+    };
+    numbers("x").into_iter().zip(numbers("y")).map(|(x, y)| Some((x?, y?))).collect()
 }
 
 /// Numbers as they are packed for the page; none where the pen is lifted.

@@ -92,8 +92,19 @@ impl Thread {
 
     /// What one pass leaves, or all of them.
     pub(super) fn outline(&self, passes: &[Vec<Tip>]) -> Outline {
+        Outline::new(passes.iter().flatten().copied(), self.highest_mm())
+    }
+
+    /// What all passes leave of stock that may be higher than the crest: a shoulder behind a screw.
+    pub(super) fn outline_in(&self, stock_mm: f64) -> Outline {
+        let top_mm = if self.sign > 0.0 { self.highest_mm().max(stock_mm) } else { self.highest_mm() };
+        Outline::new(self.passes.iter().flatten().copied(), top_mm)
+    }
+
+    /// The highest place of the crest.
+    fn highest_mm(&self) -> f64 {
         let [low, high] = self.ends_mm.map(|z| self.crest_at(z));
-        Outline::new(passes.iter().flatten().copied(), low.max(high))
+        low.max(high)
     }
 }
 
