@@ -292,9 +292,11 @@ fn findings(program: &Program) -> String {
                 "pass  line  depth mm    start {axis}  full depth from {axis}     to {axis}  chip mm  highest %"
             );
         }
-        // Where the program does not say where the crest is, where the pass goes is all that is known.
-        let across = if pass.along == Axis::Z { Axis::X } else { Axis::Z };
-        let depth = || format!("{across}{:.3}", pass.across_mm);
+        // Where the program does not say where the crest is, the radius of the part that the pass goes to, or
+        // the place of a thread on a face, is all that is known.
+        let [x, z] = pass.origin_mm;
+        let (of, origin_mm) = if pass.along == Axis::Z { ("R", x) } else { ("Z", z) };
+        let depth = || format!("{of}{:.3}", pass.across_mm - origin_mm);
         let depth = pass.depth_mm.map_or_else(depth, |depth| format!("{depth:.4}"));
         let chip = program.chips_mm.get(&pass.pass).map_or("–".into(), |chip| format!("{chip:.3}"));
         let _ = writeln!(

@@ -229,6 +229,8 @@ impl Program {
             tool.origin_mm = check.origins_mm.get(&number).copied();
             tool.diameter_mm = check.diameters_mm.get(&number).copied();
         });
+        let guessed = check.passes.iter().filter(|note| note.depth_mm.is_none());
+        let observer = observer.guessing_depths(guessed.map(|note| note.pass));
         match &self.entry {
             Some(entry) => observer.from_line(entry.line),
             None => gauged::holds(self, observer),

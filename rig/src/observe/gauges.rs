@@ -23,6 +23,16 @@ impl Observer {
         self
     }
 
+    /// The same observer of a program that does not say how deep some of its passes go below the crest: what
+    /// they have is a guess.
+    #[must_use]
+    pub fn guessing_depths(mut self, passes: impl IntoIterator<Item = u32>) -> Observer {
+        for number in passes {
+            self.program.entry(number).and_modify(|planned| planned.depth_mm = 0.0);
+        }
+        self
+    }
+
     /// What they say: of several the worst stands for all. A part that is not finished is none yet.
     pub(super) fn report_gauges(&mut self) {
         let said: Vec<_> = self.gauged.iter().map(Gauged::report).collect();

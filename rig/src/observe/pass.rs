@@ -148,6 +148,7 @@ pub(super) struct PassObserver {
     line: u32,
     tool_number: u32,
     origin_mm: Option<[f64; 2]>,
+    depth_mm: f64,
     axes: Vec<AxisTrack>,
     /// The axis along the thread.
     along: Axis,
@@ -194,6 +195,7 @@ impl PassObserver {
             line: planned.line,
             tool_number: planned.tool,
             origin_mm: planned.origin_mm,
+            depth_mm: planned.depth_mm,
             axes: machine.axes().map(track).collect(),
             along,
             helix: Helix::of(pass, along),
@@ -297,7 +299,7 @@ impl PassObserver {
     /// The measures of the pass; `None` if its law moved no axis: it was called off, and is not a pass.
     pub(super) fn finish(&self) -> Option<PassReport> {
         let index_deg = self.index_deg().filter(|_| self.moved)?;
-        let ThreadPass { pass, start, s_rpm, direction, thread_end_deg, max_ratio, depth_mm, .. } = self.pass;
+        let ThreadPass { pass, start, s_rpm, direction, thread_end_deg, max_ratio, .. } = self.pass;
         let (run_in, x) = (self.pass.axis(self.along), self.pass.axis(Axis::X));
         let (rpm_min, rpm_max) = self.rpm.ends();
         let (override_min_pct, override_max_pct) = self.override_pct.ends();
@@ -341,7 +343,7 @@ impl PassObserver {
             direction,
             index_deg,
             same_index: self.axes.iter().all(|track| track.index_deg == Some(index_deg)),
-            depth_mm,
+            depth_mm: self.depth_mm,
             x_moments_deg: moments(x),
             z_moments_deg: moments(self.pass.axis(Axis::Z)),
             helix_at_index_mm: self.helix.at_index_mm(),

@@ -47,6 +47,8 @@ pub(super) struct Planned {
     pub(super) stock: Stock,
     /// Where zero of the program lies on the machine, if somebody said so: X, Z.
     pub(super) origin_mm: Option<[f64; 2]>,
+    /// How deep it goes below the crest; 0 if the program does not say where that is.
+    pub(super) depth_mm: f64,
 }
 
 /// Every pass of a program by its number; `tool` is the one before it, then the last one. A pass that no
@@ -59,7 +61,9 @@ pub(super) fn planned(machine: &Machine, items: &[Item], tool: &mut u32) -> BTre
             Code::Tool { number } => *tool = *number,
             Code::Pass(pass) if pass.check().is_ok() => {
                 let stock = Stock::Ends(ends);
-                let planned = Planned { line: *line, pass: *pass, tool: *tool, stock, origin_mm: None };
+                let depth_mm = pass.depth_mm;
+                let planned =
+                    Planned { line: *line, pass: *pass, tool: *tool, stock, origin_mm: None, depth_mm };
                 passes.insert(pass.pass, planned);
             }
             _ => {}
