@@ -139,8 +139,9 @@ fn a_link_that_is_stopped_beside_the_program_is_given_up() {
 #[test]
 fn a_launcher_beside_the_program_that_was_stopped_blames_nobody() {
     let place = waiting();
-    let mut run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "4"]);
-    let run = run.stdout(Stdio::piped()).spawn().expect("it starts");
+    let run =
+        place.far(&project("examples/m20x2.ngc"), &["--json", "--trace", "none", "--pace", "4"]).spawn();
+    let run = run.expect("it starts");
     place.cuts(1);
     signal(run.id(), "STOP");
     wait_s(7.0);
@@ -193,8 +194,9 @@ fn a_link_that_dies_between_two_runs_is_followed_by_another() {
 #[test]
 fn a_machine_that_is_told_to_end_stops_its_run_says_how_it_ended_and_ends() {
     let mut place = waiting();
-    let mut run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "2"]);
-    let run = run.stdout(Stdio::piped()).spawn().expect("it starts");
+    let run =
+        place.far(&project("examples/m20x2.ngc"), &["--json", "--trace", "none", "--pace", "2"]).spawn();
+    let run = run.expect("it starts");
     place.cuts(1);
     place.signal_serve("TERM");
     let output = ended(run, 20.0);
