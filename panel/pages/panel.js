@@ -98,7 +98,7 @@ function show(news) {
   document.querySelector(".state").className = "state " + (kind || (["ready", "ended"].includes(state.state) ? "" : "run"));
   const parts = [];
   if (typeof state.time_s === "number") parts.push(number(state.time_s, 1) + " s on the machine", "cycle " + state.cycle);
-  if (state.pass) parts.push(`pass ${state.pass}${state.by_hand ? "" : ` of ${state.program?.passes ?? "?"}`}, depth ${number(state.depth_mm, 3)} mm`);
+  if (state.pass) parts.push(`pass ${state.pass}${state.by_hand ? "" : ` of ${state.program?.passes ?? "?"}`}${state.depth_mm ? `, depth ${number(state.depth_mm, 3)} mm` : ""}`);
   if (state.left_s !== undefined && state.left_s !== null && state.state !== "ready" && !state.by_hand) parts.push(clock(state.left_s) + " to go at 100 %");
   if (state.tool) parts.push(["T" + state.tool, state.tool_name].filter(Boolean).join(" "));
   if (origin()) parts.push(`zero of the program at ${lathe() ? "X⌀ " + number(2 * origin()[0], 3) : "X " + number(origin()[0], 3)} Z ${number(origin()[1], 3)} of the machine`);
@@ -232,7 +232,7 @@ function mark() {
 function passes() {
   $("of").textContent = state.program?.passes && state.passes ? `${state.passes.length} of ${state.program.passes}` : "";
   const now = state.cutting ? [state.cutting] : [];
-  fill($("passes"), [...now, ...(state.passes || []).slice().reverse()].map((pass) => [pass.pass, number(pass.depth_mm, 3),
+  fill($("passes"), [...now, ...(state.passes || []).slice().reverse()].map((pass) => [pass.pass, pass.depth_mm ? number(pass.depth_mm, 3) : "–",
     `${number(pass.rpm[0], 0)}–${number(pass.rpm[1], 0)}`, pass.cut ? number(pass.helix_um, 1) : "no contact",
     pass.cut ? number(pass.phase_um, 1) : "", pass.end]));
   const first = $("passes").tBodies[0].rows[0];

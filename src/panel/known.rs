@@ -1,7 +1,10 @@
 //! What is known of a run before it begins, for whoever looks at its cycles. In: the setup of the run. Out:
 //! limits of torque, N·m, origins, mm, names of tools, the plan.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 use ::panel::{MachineSeen, Point, ProgramSeen};
 use interpreter::Language;
@@ -60,6 +63,8 @@ pub(crate) struct Known {
     spindle_peak: [f64; 2],
     pub(super) tool_names: BTreeMap<u32, String>,
     origins: Origins,
+    /// Passes of which the program does not say how deep they go below the crest.
+    guessed: BTreeSet<u32>,
     /// Whether the machine waits for a start, and in which cycle it went on last: what was said before that is
     /// done.
     waits: bool,
@@ -105,6 +110,8 @@ impl Known {
         let items = program.items(path, language, machine);
         let items = items.into_iter().flatten().map_while(Result::ok);
         let origins = Origins::of(program);
+        let passes = program.check.iter().flat_map(|check| &check.passes);
+        let guessed = passes.filter(|note| note.depth_mm.is_none());
         let drawn = |place: &mut _, pass, tool| origins.drawn(place, pass, tool);
         let (plan, way) = Plan::of(items, machine, program.time_s, drawn);
         let mut torque_limit_nm = PerAxis::default();
@@ -120,6 +127,7 @@ impl Known {
             spindle_peak: sim_plant::spindle_peak(machine).unwrap_or_default(),
             tool_names: named.flatten().collect(),
             origins,
+            guessed: guessed.map(|note| note.pass).collect(),
             waits: false,
             went_on: 0,
         };
@@ -141,6 +149,11 @@ impl Known {
             }
             (None, false) => self.homing.cycle(record, Asked::Program),
         }
+    }
+
+    /// How deep the pass goes below the crest, mm; 0 where the program does not say where that is.
+    pub(super) fn depth_mm(&self, machine: &MachineStatus) -> f64 {
+        if self.guessed.contains(&machine.pass) { 0.0 } else { machine.depth_mm }
     }
 
     /// What the motor of the spindle can at a speed, N·m: its torque, or what its power leaves of that.

@@ -45,8 +45,7 @@ fn what_is_close_to_too_much_is_named() {
     let told = last(&verdict);
     assert!(told.starts_with(named) && told.contains("name the thread"), "{told}");
     // A part that is within what is allowed and that its gauge calls good alarms nobody.
-    let gauge = |verdict| Some(GaugeReport { verdict, ..GaugeReport::default() });
-    summary.gauge = gauge(PartVerdict::Good);
+    summary.gauge = Some(GaugeReport { verdict: PartVerdict::Good, ..GaugeReport::default() });
     let verdict = of(&summary);
     assert!(verdict.grade == Grade::Good && verdict.sentences.join(" ").contains(named));
 }
