@@ -246,7 +246,7 @@ mod tests {
             [place[Axis::X.index()], place[Axis::Z.index()]].map(|mm| (1e6 * mm).round() / 1e6)
         };
         // X 9.91 and Z -14 of the program, with each of them; then in a pass whose zero lies elsewhere.
-        let wanted = [8.65 + 9.91, 54.2 - 14.0];
+        let wanted = [18.56, 40.2];
         assert_eq!(drawn(10.0 + 9.91, 50.0 - 14.0, None, 1), wanted);
         assert_eq!(drawn(8.65 + 9.91, 54.2 - 14.0, None, 3), wanted);
         assert_eq!(drawn(8.65 + 9.91, 55.7 - 14.0, Some(2), 3), wanted);

@@ -200,8 +200,8 @@ fn the_taps_of_a_mill_are_judged_hole_by_hole() {
     }
 }
 
-/// A block has ends as a bar has: what is in it of a tapped hole is judged as without it, at any depth; of a
-/// hole through it that is all of the block.
+/// A block has ends as a bar has: what is in it of a tapped hole has the figures that it has without it, at
+/// any depth; of a hole through it that is all of the block. A verdict it has not, where nothing drilled it.
 #[test]
 fn the_taps_of_a_block_are_judged_as_those_of_a_plate_that_nobody_described() {
     let place = Place::new();
@@ -218,7 +218,8 @@ fn the_taps_of_a_block_are_judged_as_those_of_a_plate_that_nobody_described() {
     let length = |gauge: &Value| gauge["length_mm"].as_f64().expect("a length");
     for tap in ["G33.1 Z-14 K1", "G33.1 Z-12 K1", "G33.1 Z-10 K1", "G84 X10 Y20 Z-12 R5 F600"] {
         let (plate, block) = (gauge(None, tap), gauge(Some(-20.0), tap));
-        assert_eq!((&plate["verdict"], &block["verdict"]), (&"good".into(), &"good".into()), "{block:#}");
+        assert_eq!((&plate["verdict"], &block["verdict"]), (&"good".into(), &"none".into()), "{block:#}");
+        assert!(block["reasons"][0].as_str().is_some_and(|why| why.contains("nothing drilled")), "{block:#}");
         for figure in ["pitch_diameter_max_mm", "virtual_pitch_diameter_mm"] {
             let [plate, block] = [&plate, &block].map(|gauge| gauge[figure].as_f64().expect("a diameter"));
             assert!((plate - block).abs() < 0.002, "{tap}, {figure}: {plate} {block}");
@@ -226,7 +227,7 @@ fn the_taps_of_a_block_are_judged_as_those_of_a_plate_that_nobody_described() {
         assert!(length(&block) <= length(&plate), "{tap}: {plate:#} {block:#}");
     }
     let through = gauge(Some(-8.0), "G33.1 Z-14 K1");
-    assert!(through["verdict"] == "good" && (length(&through) - 8.0).abs() < 1.01, "{through:#}");
+    assert!(through["verdict"] == "none" && (length(&through) - 8.0).abs() < 1.01, "{through:#}");
 }
 
 /// `docs/gauge.md` shows what is said of the example.
