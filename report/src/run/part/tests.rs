@@ -267,7 +267,7 @@ fn the_last_flank_goes_through_a_shoulder() {
     let figure = whole(&summary, &curves).expect("a picture");
     let outline: Vec<(f64, f64)> = drawn(&figure, "outline").into_iter().flatten().collect();
     for (sign, last_tip) in [(1.0, -22.0), (-1.0, -23.0)] {
-        let wide = outline.iter().filter(|(_, x)| (sign * x - 2.0 * shoulder).abs() < 1e-3);
+        let wide = outline.iter().filter(|(_, x)| (sign * x - 2.0 * shoulder).abs() < 0.01);
         let top = wide.map(|(z, _)| *z).filter(|z| *z < -20.5).fold(f64::NEG_INFINITY, f64::max);
         let flank_ends = last_tip - half_width(shoulder - CREST + DEPTH);
         assert!((top - flank_ends).abs() < 0.05, "{sign}: {top}, not {flank_ends}");
