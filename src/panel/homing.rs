@@ -44,7 +44,7 @@ pub(super) enum Asked {
 
 /// An axis goes if it is faster: one that comes to rest may be commanded a billionth of a millimetre past its
 /// place and back. No way of a run is as slow.
-const GOES_MM_S: f64 = 5e-4;
+const GOES: f64 = 5e-4;
 
 /// How far a reference run has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,8 +118,8 @@ impl Homing {
             Some((run, phase)) => {
                 let speed = of(run.axis).map_or(0.0, |status| status.velocity_mm_s * run.way);
                 let next = match phase {
-                    Phase::Search if speed < -GOES_MM_S => Phase::BackOff,
-                    Phase::BackOff if speed > GOES_MM_S => Phase::Latch,
+                    Phase::Search if speed < -GOES => Phase::BackOff,
+                    Phase::BackOff if speed > GOES => Phase::Latch,
                     phase => phase,
                 };
                 Some((run, next))

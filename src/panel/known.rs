@@ -65,8 +65,8 @@ pub(crate) struct Known {
     origins: Origins,
     /// Passes of which the program does not say how deep they go below the crest.
     guessed: BTreeSet<u32>,
-    /// Whether the machine waits for a start, and in which cycle it went on last: what was said before that is
-    /// done.
+    /// Whether the machine waits for a start, and in which cycle it went on last: what was said before that
+    /// is done.
     waits: bool,
     pub(super) went_on: u64,
 }

@@ -45,8 +45,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Looks at the machine code of a program that takes so long. `drawn` moves a place of the machine to where
-    /// it is drawn, in a pass, else with a tool.
+    /// Looks at the machine code of a program that takes so long. `drawn` moves a place of the machine to
+    /// where it is drawn, in a pass, else with a tool.
     pub(crate) fn of(
         items: impl Iterator<Item = Item>,
         machine: &Machine,

@@ -114,9 +114,7 @@ fn syntax(text: &str, error: &Error, page: &str) -> Fault {
     if let Some(fault) = unknown(text, message, &part, page) {
         return fault;
     }
-    if message == "missing field `kind`"
-        && table(text).is_ok_and(|table| table.get_ref().keys().any(|key| key.get_ref() == "machine"))
-    {
+    if message == "missing field `kind`" && text.lines().any(|line| line.trim() == "[machine]") {
         let message = "this is a machine file, and not a program".to_owned();
         let help =
             "give it behind --machine, and name a program: `pitchlock run PROGRAM --machine FILE`".to_owned();

@@ -106,18 +106,6 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
     }
     assert_eq!(panel.state()["by_hand"]["in_force"], before, "what is refused changes nothing");
     near(stands(&panel), [x + 5.0, z - 14.0]);
-    // What a block says is told when it has come so far, and with the session.
-    does(&panel, "mdi", "#1=[2+3]\n(debug, five is #1)\nG91 G0 Z-1\n(MSG, measure)\nG0 Z1");
-    let told = |messages: &[(u64, String)]| {
-        let texts: Vec<_> = messages.iter().map(|(_, text)| text.as_str()).collect();
-        assert_eq!(texts, ["five is 5.000000", "measure"]);
-        assert!(messages[0].0 < messages[1].0, "one before it moves, one behind");
-    };
-    let seen = panel.state()["messages"].as_array().cloned().expect("messages");
-    let of = |message: &Value| {
-        (message["cycle"].as_u64().unwrap_or(0), message["text"].as_str().unwrap_or("").into())
-    };
-    told(&seen.iter().map(of).collect::<Vec<_>>());
     // While a block is in hand no other is taken; a hold stops it, and start goes on.
     panel.turn("mdi", "G91 G1 Z-30 F600");
     assert_eq!(refused(&panel, "mdi", json!("G0 Z1")).0, "not-now");
@@ -133,13 +121,33 @@ fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
     assert_eq!(refused(&panel, "home", json!("Z")).1, "Z stands at its home");
     let summary = ended(&place, panel);
     assert_eq!((summary.outcome, summary.faults.len()), (Outcome::Stopped, 0));
-    told(&summary.messages.iter().map(|told| (told.cycle, told.text.clone())).collect::<Vec<_>>());
     is_repeated(&place, "session", &summary);
     let pressed = std::fs::read_to_string(place.at("session/presses.toml")).expect("what was pressed");
     assert!(
         pressed.contains("# G10 L20 P1 X20.000000\n") && pressed.contains("# G91 G1 Z-30 F600\n"),
         "{pressed}"
     );
+}
+
+/// What a block says is told when the machine has come so far, and with the session.
+#[test]
+fn messages_of_a_block_are_told_and_stand_in_the_summary() {
+    let place = Place::new();
+    let panel = by_hand(&place, &["--pace", "20", "--trace", "none"]);
+    does(&panel, "mdi", "#1=[2+3]\n(debug, five is #1)\nG91 G0 Z-1\n(MSG, measure)\nG0 Z1");
+    let told = |messages: &[(u64, String)]| {
+        let texts: Vec<_> = messages.iter().map(|(_, text)| text.as_str()).collect();
+        assert_eq!(texts, ["five is 5.000000", "measure"]);
+        assert!(messages[0].0 < messages[1].0, "one before it moves, one behind");
+    };
+    let seen = panel.state()["messages"].as_array().cloned().expect("messages");
+    let of = |message: &Value| {
+        (message["cycle"].as_u64().unwrap_or(0), message["text"].as_str().unwrap_or("").into())
+    };
+    told(&seen.iter().map(of).collect::<Vec<_>>());
+    let summary = ended(&place, panel);
+    told(&summary.messages.iter().map(|told| (told.cycle, told.text.clone())).collect::<Vec<_>>());
+    is_repeated(&place, "session", &summary);
 }
 
 /// A thread cut by a block, with the override turned in it; another one held in a pass; a tap; one that is
