@@ -345,7 +345,7 @@ pub(super) fn is_in_pass(record: &Record) -> bool {
     record.axes.iter().any(|(_, status)| status.state().has_begun())
 }
 
-/// How the tool goes in this cycle, as in a [`Point`].
+/// How the tool goes in this cycle, as in a place of its trail.
 pub(super) fn kind(record: &Record) -> u8 {
     match (is_in_pass(record), record.machine.motion()) {
         (true, _) => IN_PASS,
