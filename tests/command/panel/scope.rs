@@ -41,6 +41,7 @@ fn every_cycle_of_a_run_is_in_the_scope_and_in_its_files() {
     let again = Panel::start(&place, &["panel", "saved.mcap"]);
     until("all of it is there", || {
         again.state()["mode"] == "playback"
+            && again.request("GET /api/scope.csv?from=0&to=9", "", "").0 == 200
             && again.file("/api/scope.csv?from=0&to=9999999") == kept.as_bytes()
     });
 }
