@@ -10,7 +10,7 @@ use crate::{
     message::{FILE, Message},
     seal::{self, Greeting, Key, Level, Nonce},
     session::{Session, Voice},
-    talk::{Said, say},
+    talk::{CHANGED, Said, say},
     wire::Mouths,
 };
 
@@ -20,9 +20,6 @@ const BEFORE: usize = 4;
 const FILES: usize = 1000;
 /// Why nobody else is let in.
 const BUSY: &str = "the machine runs another program, or somebody stands at it: wait until that has ended";
-
-/// Why somebody who was compared is not let in after all.
-const CHANGED: &str = "the machine file at the machine was changed while it waited for programs\nhelp: ask again; both need the same one";
 
 /// A session that is not yet a run.
 struct Before {

@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-pub use process::link::{Said, Told};
+pub use process::link::{CHANGED, Said, Told};
 
 use process::ipc::time::{Moment, sleep_until};
 

@@ -122,42 +122,37 @@ impl Caller {
         )))
     }
 
-    /// Why a run has not begun, of whoever waits there now, if anybody knows.
-    fn why_not(&mut self, run: &str) -> Option<LinkError> {
-        let deadline = Moment::in_s(PATIENT_S);
-        while !deadline.passed() {
+    /// What is known of a run by whoever waits there: asked again until that is something, or so long.
+    fn became_of(&mut self, run: &str, patience_s: f64) -> Result<Verdict, LinkError> {
+        let deadline = Moment::in_s(patience_s);
+        loop {
             let left_s = deadline.since(Moment::now()).as_secs_f64();
-            match self.answer(&Wants::Outcome(run.into()), left_s) {
-                Ok((_, Answer { verdict: Verdict::Outcome(value), .. })) => {
-                    return value["error"].as_str().map(|text| LinkError::Input(text.into()));
-                }
-                Ok((_, Answer { verdict: Verdict::NotYet, .. })) => {
-                    process::ipc::time::sleep_until(Moment::now().after(AGAIN));
-                }
-                _ => return None,
+            let (_, Answer { verdict, .. }) = self.answer(&Wants::Outcome(run.into()), left_s)?;
+            if !matches!(verdict, Verdict::NotYet) || deadline.passed() {
+                return Ok(verdict);
             }
+            process::ipc::time::sleep_until(Moment::now().after(AGAIN));
         }
-        None
+    }
+
+    /// Why a run has not begun, if anybody there knows.
+    fn why_not(&mut self, run: &str) -> Option<LinkError> {
+        match self.became_of(run, PATIENT_S) {
+            Ok(Verdict::Outcome(value)) => value["error"].as_str().map(|text| LinkError::Input(text.into())),
+            _ => None,
+        }
     }
 
     /// What became of a run.
     fn outcome(&mut self, run: &str) -> Result<serde_json::Value, LinkError> {
-        let deadline = Moment::in_s(SUMMED_UP_S);
-        loop {
-            match self.answer(&Wants::Outcome(run.into()), SUMMED_UP_S) {
-                Ok((_, Answer { verdict: Verdict::Outcome(value), .. })) => return Ok(value),
-                Ok((_, Answer { verdict: Verdict::NotYet, .. })) if !deadline.passed() => {
-                    process::ipc::time::sleep_until(Moment::now().after(AGAIN));
-                }
-                Ok((_, Answer { verdict: Verdict::Refused(text), .. })) => {
-                    return Err(LinkError::Broken(text));
-                }
-                Ok(_) => return Err(LinkError::Broken(format!("{} does not sum up the run", self.at))),
-                Err(error) => {
-                    let text = error.to_string();
-                    let first = text.lines().next().unwrap_or_default();
-                    return Err(LinkError::Broken(format!("it has not summed up the run: {first}")));
-                }
+        match self.became_of(run, SUMMED_UP_S) {
+            Ok(Verdict::Outcome(value)) => Ok(value),
+            Ok(Verdict::Refused(text)) => Err(LinkError::Broken(text)),
+            Ok(_) => Err(LinkError::Broken(format!("{} does not sum up the run", self.at))),
+            Err(error) => {
+                let text = error.to_string();
+                let first = text.lines().next().unwrap_or_default();
+                Err(LinkError::Broken(format!("it has not summed up the run: {first}")))
             }
         }
     }

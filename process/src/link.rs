@@ -6,6 +6,10 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+/// Why somebody is refused whose machine file was compared with one that was changed then.
+pub const CHANGED: &str = "the machine file at the machine was changed while it waited for programs\nhelp: ask again; both need \
+     the same one";
+
 /// What the link says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

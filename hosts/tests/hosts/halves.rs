@@ -4,6 +4,7 @@ use std::{
     fs,
     io::Write as _,
     net::TcpListener,
+    path::{Path, PathBuf},
     process::{Command, Stdio},
     thread::Builder,
     time::Duration,
@@ -17,20 +18,29 @@ use crate::{
     refusals::{text, waiting},
 };
 
-/// The file that was compared is the one that is run, or nothing is.
-#[test]
-fn a_machine_file_that_was_changed_while_it_waited_is_refused_and_then_compared_anew() {
+/// A machine with a file of its own, the text of that, and the same file on this computer.
+fn waiting_with_a_file() -> (Place, String, PathBuf) {
     let mut place = Place::new(None);
     let lathe = fs::read_to_string(project("examples/machines/small-lathe.toml")).expect("a machine file");
     let (here, there) = (place.write("here.toml", &lathe), place.write("there.toml", &lathe));
-    let short = place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nM2\n");
+    place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nM2\n");
     place.serve(&["--machine", &there.display().to_string()]);
-    let runs = |what: &str, status: i32| {
-        let output =
-            place.far(&short, &["--machine", &here.display().to_string()]).output().expect("it starts");
-        assert_eq!(output.status.code(), Some(status), "{what}: {}", text(&output));
-        assert!(text(&output).contains(what), "{}", text(&output));
-    };
+    (place, lathe, here)
+}
+
+/// What comes of a run with this machine file.
+fn runs(place: &Place, here: &Path, what: &str, status: i32) {
+    let far = ["--machine", &here.display().to_string()];
+    let output = place.far(&place.at("short.ngc"), &far).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(status), "{what}: {}", text(&output));
+    assert!(text(&output).contains(what), "{}", text(&output));
+}
+
+/// The file that was compared is the one that is run, or nothing is.
+#[test]
+fn a_machine_file_that_was_changed_while_it_waited_is_refused_and_then_compared_anew() {
+    let (place, lathe, here) = waiting_with_a_file();
+    let runs = |what: &str, status: i32| runs(&place, &here, what, status);
     runs("completed", 0);
     let other = lathe.clone() + "# another one\n";
     place.write("there.toml", &other);
@@ -223,17 +233,8 @@ fn a_machine_that_is_told_to_end_beside_a_program_that_is_gone_ends_as_well() {
 
 #[test]
 fn a_machine_file_that_is_wrong_for_a_while_ends_nothing() {
-    let mut place = Place::new(None);
-    let lathe = fs::read_to_string(project("examples/machines/small-lathe.toml")).expect("a machine file");
-    let (here, there) = (place.write("here.toml", &lathe), place.write("there.toml", &lathe));
-    let short = place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nM2\n");
-    place.serve(&["--machine", &there.display().to_string()]);
-    let runs = |what: &str, status: i32| {
-        let output =
-            place.far(&short, &["--machine", &here.display().to_string()]).output().expect("it starts");
-        assert_eq!(output.status.code(), Some(status), "{what}: {}", text(&output));
-        assert!(text(&output).contains(what), "{}", text(&output));
-    };
+    let (place, lathe, here) = waiting_with_a_file();
+    let runs = |what: &str, status: i32| runs(&place, &here, what, status);
     place.write("there.toml", "[machine]\ncycle_s = true\n");
     for _ in 0..2 {
         runs("there.toml", 2);

@@ -15,7 +15,7 @@ use std::{
 use clap::{Args, Parser as _};
 use process::{
     ipc::time::Moment,
-    link::{Said, Told},
+    link::{CHANGED, Said, Told},
 };
 use serde_json::{Value, json};
 
@@ -101,8 +101,7 @@ pub(super) fn is_as_compared(args: &ServeArgs, compared: &str) -> Result<(), Cli
     if super::compared(&args.machine)? == compared {
         return Ok(());
     }
-    let what = "the machine file at the machine was changed while it waited for programs";
-    Err(CliError::Input(format!("{what}\nhelp: ask again; both need the same one")))
+    Err(CliError::Input(CHANGED.into()))
 }
 
 /// Waits for programs, and runs them.
