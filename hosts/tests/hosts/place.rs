@@ -243,8 +243,13 @@ impl Place {
     fn serve_by(&mut self, mut command: Command, arguments: &[&str]) {
         let said = fs::File::create(self.at("serve.txt")).expect("a file");
         command.args(["serve", "--listen", &self.address, "--key"]).arg(self.at("key")).args(arguments);
-        self.serve = Some(command.stdout(Stdio::null()).stderr(said).spawn().expect("it starts"));
-        until("the machine waits", 20.0, || self.said().contains("the machine waits"));
+        let mut serve = command.stdout(Stdio::null()).stderr(said).spawn().expect("it starts");
+        until("the machine waits", 20.0, || {
+            let ended = serve.try_wait().expect("it is ours");
+            assert!(ended.is_none(), "{ended:?}: {}", self.said());
+            self.said().contains("the machine waits")
+        });
+        self.serve = Some(serve);
     }
 
     /// Its launcher is killed.
