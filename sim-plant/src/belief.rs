@@ -104,11 +104,11 @@ pub fn spindle_peak(machine: &Machine) -> Result<[f64; 2], PlantError> {
     Ok([train.peak_torque_nm, train.peak_power_kw])
 }
 
-/// Where the stock truly ends and begins along Z of the machine, mm.
+/// Where the stock truly ends and begins along Z of the machine, mm, if the machine file says so.
 ///
 /// # Errors
 /// [`PlantError`] if the truth cannot be.
-pub fn stock_mm(machine: &Machine) -> Result<[f64; 2], PlantError> {
+pub fn stock_mm(machine: &Machine) -> Result<Option<[f64; 2]>, PlantError> {
     let cutting = PlantConfig::of(machine)?.cutting;
-    Ok([cutting.back_mm, cutting.face_mm])
+    Ok((cutting.face_mm.is_some() || cutting.back_mm.is_some()).then(|| cutting.stock_mm()))
 }

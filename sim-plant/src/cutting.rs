@@ -119,7 +119,7 @@ impl Cutter {
         let (reach, crest) = (groove.reach_mm(x_mm, z_mm), groove.into * groove.crest_mm);
         let earlier = grooves.earlier_mm(z_kept, crest - kept) + kept;
         grooves.pass_by(z_kept, reach + bent_mm - kept);
-        let stock = [config.back_mm - z_kept, config.face_mm - z_kept];
+        let stock = config.stock_mm().map(|end_mm| end_mm - z_kept);
         let v = |reach: f64| v_area(reach - crest, *tan_flank, stock);
         [(v(reach) - v(earlier)).max(0.0), reach - earlier]
     }
@@ -184,7 +184,7 @@ mod tests {
         Groove { start: 0, reserved: 0, lead_mm: -2.0, crest_mm: 10.0, slope: 0.0, into: -1.0 };
 
     fn cutter() -> Cutter {
-        let config = Cutting { specific_force_n_mm2: 2000.0, back_mm: -30.0, ..Cutting::default() };
+        let config = Cutting { specific_force_n_mm2: 2000.0, back_mm: Some(-30.0), ..Cutting::default() };
         Cutter::new(config, None, &Machine::plain())
     }
 

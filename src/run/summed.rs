@@ -179,7 +179,10 @@ fn threads(text: &mut String, summary: &Summary) {
     let [helix, passes, depth, ends] = summary.at_the_tool();
     let flank = of_the_flank(summary);
     let _ = match summary.touched_turning().next() {
-        None => writeln!(text, "thread    the tool touched no material: nothing of it is judged"),
+        None => writeln!(
+            text,
+            "thread    the tool touched no material: nothing of it is judged; (part, ...) in the program says where it is"
+        ),
         Some(_) => writeln!(
             text,
             "thread    at the tool: helix error at most {helix:.2} µm about its mean{flank}, from pass to pass {passes:.2} µm, depth off by {depth:.2} µm, from end to end {ends:.2} µm"

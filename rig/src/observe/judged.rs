@@ -110,6 +110,8 @@ fn threads(summary: &Summary, error_um: f64) -> Vec<String> {
         format!("from end to end the depth of a thread differs by {um} of radius at the tool")
     });
     let way = if thread.tool_depth_off_um > 0.0 { "shallow" } else { "deep" };
-    judge(thread.tool_depth_off_um.abs(), &|um| format!("a thread is {um} of radius too {way} at the tool"));
+    judge(thread.tool_depth_off_um.abs(), &|um| {
+        format!("a pass at full depth is {um} of radius too {way} at the tool")
+    });
     reasons
 }

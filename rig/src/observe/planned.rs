@@ -1,6 +1,6 @@
 //! What is known of a pass before it is cut: its line, its tool, where the stock lies. In: machine code, the
-//! part if somebody said what it is, else the truth of the machine file. Out: a [`Planned`] for each pass; mm
-//! of the machine.
+//! part if somebody said what it is, else the truth of the machine file if it says where the stock lies, else
+//! zero of the program. Out: a [`Planned`] for each pass; mm of the machine.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,6 +13,8 @@ use protocol::{Code, Item, ThreadPass};
 pub(super) enum Stock {
     /// Between two places along Z, whatever X is.
     Ends([f64; 2]),
+    /// Nobody has said where: below zero of the program, which lies here along Z, whatever X is.
+    Below(f64),
     /// A part whose zero lies here on the machine: X, Z.
     Part(Arc<Part>, [f64; 2]),
 }
@@ -26,6 +28,7 @@ impl Stock {
         };
         match self {
             Stock::Ends(ends) => nearest(z, *ends).is_some(),
+            Stock::Below(zero) => nearest(z, [f64::NEG_INFINITY, *zero]).is_some(),
             Stock::Part(part, origin) => {
                 let z = nearest(z - origin[1], part.ends_mm());
                 z.is_some_and(|z| part.holds(x - origin[0], z))
@@ -54,13 +57,13 @@ pub(super) struct Planned {
 /// Every pass of a program by its number; `tool` is the one before it, then the last one. A pass that no
 /// regulator would accept is not expected.
 pub(super) fn planned(machine: &Machine, items: &[Item], tool: &mut u32) -> BTreeMap<u32, Planned> {
-    let ends = sim_plant::stock_mm(machine).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let said = sim_plant::stock_mm(machine).ok().flatten();
     let mut passes = BTreeMap::new();
     for Item { line, code } in items {
         match code {
             Code::Tool { number } => *tool = *number,
             Code::Pass(pass) if pass.check().is_ok() => {
-                let stock = Stock::Ends(ends);
+                let stock = said.map_or(Stock::Below(0.0), Stock::Ends);
                 let depth_mm = pass.depth_mm;
                 let planned =
                     Planned { line: *line, pass: *pass, tool: *tool, stock, origin_mm: None, depth_mm };
@@ -83,8 +86,10 @@ pub(super) fn lie_at(
     for (number, origin) in origins_mm {
         let Some(planned) = passes.get_mut(number) else { continue };
         planned.origin_mm = Some(*origin);
-        if let Some(part) = &part {
-            planned.stock = Stock::Part(Arc::clone(part), *origin);
+        match (&part, &mut planned.stock) {
+            (Some(part), stock) => *stock = Stock::Part(Arc::clone(part), *origin),
+            (None, Stock::Below(zero)) => *zero = origin[1],
+            (None, _) => {}
         }
     }
 }

@@ -102,9 +102,16 @@ pub(crate) struct Cutting {
     pub(crate) axial_share: f64,
     /// Half angle of the threading tool, degrees.
     pub(crate) flank_half_angle_deg: f64,
-    /// Where the stock begins and where it ends along Z, mm.
-    pub(crate) face_mm: f64,
-    pub(crate) back_mm: f64,
+    /// Where the stock begins and where it ends along Z, mm, if it is said.
+    pub(crate) face_mm: Option<f64>,
+    pub(crate) back_mm: Option<f64>,
+}
+
+impl Cutting {
+    /// Where the stock ends and begins along Z, mm.
+    pub(crate) fn stock_mm(&self) -> [f64; 2] {
+        [self.back_mm.unwrap_or(-1e4), self.face_mm.unwrap_or(0.0)]
+    }
 }
 
 impl Default for Cutting {
@@ -116,8 +123,8 @@ impl Default for Cutting {
             radial_share: 0.5,
             axial_share: 0.2,
             flank_half_angle_deg: 30.0,
-            face_mm: 0.0,
-            back_mm: -1e4,
+            face_mm: None,
+            back_mm: None,
         }
     }
 }
@@ -218,6 +225,7 @@ impl ChatterConfig {
 
 impl Cutting {
     fn check(&self) -> Result<(), PlantError> {
+        let [back_mm, face_mm] = self.stock_mm();
         for (name, value, low, high) in [
             ("rise_s", self.rise_s, 0.0, 10.0),
             ("specific_force_n_mm2", self.specific_force_n_mm2, 0.0, 20_000.0),
@@ -225,8 +233,8 @@ impl Cutting {
             ("radial_share", self.radial_share, 0.0, 5.0),
             ("axial_share", self.axial_share, 0.0, 5.0),
             ("flank_half_angle_deg", self.flank_half_angle_deg, 1.0, 60.0),
-            ("face_mm", self.face_mm, -1e5, 1e5),
-            ("back_mm", self.back_mm, -1e5, self.face_mm),
+            ("face_mm", face_mm, -1e5, 1e5),
+            ("back_mm", back_mm, -1e5, face_mm),
         ] {
             range(&format!("plant.cutting.{name}"), value, low, high)?;
         }

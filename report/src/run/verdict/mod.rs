@@ -186,8 +186,9 @@ fn at_the_tool(summary: &Summary, verdict: &mut Verdict) {
     let [helix, passes, depth, ends] = off.map(um);
     let count = match numbers {
         0 => {
-            let words = "The tool touched no material, so the thread is not judged: the machine file says where the \
-                         stock is (plant.cutting).";
+            let words = "The tool touched no material, so the thread is not judged: the stock lies below Z 0 of the \
+                         program, unless a part is described, as by (part, bar D24 L60 Z30), or the machine file \
+                         says where it is (plant.cutting).";
             return verdict.say(Grade::Look, words);
         }
         1 => "One pass was cut. At the tool it keeps to its".into(),

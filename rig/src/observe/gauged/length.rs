@@ -53,6 +53,7 @@ pub(super) fn full_mm(
     let b = b + chamfer_mm.min((b - a).abs()) * (a - b).signum();
     let [low, high] = match &planned.stock {
         Stock::Ends(ends) => ends.map(|end| end - first_origin_mm),
+        Stock::Below(zero) => [f64::NEG_INFINITY, zero - origin_mm],
         Stock::Part(part, _) => part.ends_mm(),
     };
     Some([a.min(b).max(low), a.max(b).min(high)])

@@ -317,7 +317,9 @@ impl Gauged {
              its point to the plane, or, on a mill, no tap"
                 .into()
         } else if low >= high {
-            "the passes have no length of full thread in common".into()
+            "the passes have no length of full thread in common within the stock: it lies below Z 0 of the program, \
+             unless (part, ...) or plant.cutting of the machine file says otherwise"
+                .into()
         } else {
             return self.judged();
         };

@@ -40,6 +40,28 @@ fn observed(nominal: Nominal, passes: &[(ThreadPass, Injected)]) -> Observation 
     ideal.run(passes, |_, _| {})
 }
 
+/// What is judged is the length that the program calls its thread, wherever that lies on the machine.
+#[test]
+fn the_length_does_not_depend_on_where_zero_of_the_program_lies() {
+    let length_mm = |z: f64| {
+        // The part is cut where it is clamped.
+        let mut passes = [pass(1), pass(2)];
+        passes.iter_mut().for_each(|pass| {
+            let axis = &mut pass.axes[Axis::Z.index()];
+            axis.start = protocol::Position::from_mm(axis.start.mm() + z);
+        });
+        let mut ideal = Ideal::new();
+        let origins_mm = BTreeMap::from([1, 2].map(|number| (number, [0.0, z])));
+        ideal.zero = Some([0.0, z]);
+        ideal.gauge = Some(GaugeAsked { nominal: nominal(), origins_mm, passes: None });
+        let report = ideal.run(&passes.map(|pass| (pass, Injected::default())), |_, _| {}).gauge;
+        report.expect("a gauge was asked for").length_mm
+    };
+    let here_mm = length_mm(0.0);
+    assert!(here_mm > 10.0, "{here_mm}");
+    [14.0, -50.0, 300.0].iter().for_each(|z| close(length_mm(*z), here_mm, 1e-3));
+}
+
 fn gauged(nominal: Nominal, passes: &[(ThreadPass, Injected)]) -> GaugeReport {
     observed(nominal, passes).gauge.expect("a gauge was asked for")
 }

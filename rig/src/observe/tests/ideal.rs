@@ -39,6 +39,8 @@ pub(crate) struct Ideal {
     /// The tool of every pass, and the part with its zero on the machine: X, Z.
     pub(crate) tool: u32,
     pub(crate) part: Option<(Part, [f64; 2])>,
+    /// Where zero of the program lies, X and Z, if nobody has described the part.
+    pub(crate) zero: Option<[f64; 2]>,
     pub(crate) gauge: Option<GaugeAsked>,
 }
 
@@ -98,6 +100,7 @@ impl Ideal {
             status: MachineStatus::default(),
             tool: 0,
             part: None,
+            zero: None,
             gauge: None,
         }
     }
@@ -117,6 +120,9 @@ impl Ideal {
         let mut observer = Observer::new(&self.machine, &items);
         if let Some((part, origin)) = &self.part {
             observer = observer.of_part(part, &passes.iter().map(|(pass, _)| (pass.pass, *origin)).collect());
+        }
+        if let Some(zero) = self.zero {
+            observer = observer.lying_at(&passes.iter().map(|(pass, _)| (pass.pass, zero)).collect());
         }
         if let Some(asked) = &self.gauge {
             observer = observer.with_gauge(asked.clone());

@@ -124,6 +124,25 @@ fn a_pass_that_does_not_say_its_depth_is_in_contact_until_its_way_out_is_free() 
     assert_eq!(one(in_air, |_, _| 9.0).tool, Default::default());
 }
 
+/// Nobody has said where it lies: wherever G54 and the tool put zero of the program. Who has said so is believed.
+#[test]
+fn stock_of_which_nothing_is_said_lies_below_zero_of_the_program() {
+    let contact_deg = |zero_mm: Option<f64>, plant: &str| {
+        let mut ideal = Ideal::new();
+        ideal.machine.plant = plant.parse().expect("a plant");
+        ideal.zero = zero_mm.map(|z| [0.0, z]);
+        let passes = [(pass(1), Injected::default())];
+        ideal.run(&passes, |_, _| {}).passes.remove(0).tool.contact_deg
+    };
+    let from = |face_mm: f64| END_DEG - FACE_DEG + 180.0 * face_mm;
+    close(contact_deg(None, ""), from(0.0), 4.0);
+    close(contact_deg(Some(-3.0), ""), from(-3.0), 4.0);
+    close(contact_deg(Some(2.0), ""), from(2.0), 4.0);
+    close(contact_deg(Some(-3.0), "[cutting]\nface_mm = -1.0"), from(-1.0), 4.0);
+    close(contact_deg(Some(-3.0), "[cutting]\nback_mm = -100.0"), from(0.0), 4.0);
+    assert_eq!(contact_deg(Some(-100.0), ""), 0.0, "in the air");
+}
+
 #[test]
 fn stock_that_lies_elsewhere_is_not_touched() {
     let mut ideal = Ideal::new();
