@@ -76,6 +76,7 @@ pub(crate) fn begun(
     program.watched = watched;
     if let Some(check) = &mut program.check {
         check.messages = begun.messages();
+        check.zeros = begun.zeros();
     }
     program.entry = Some(begun.entry);
     Ok(program)

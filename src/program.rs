@@ -66,7 +66,7 @@ impl Program {
     ) -> Result<Program, CliError> {
         let program = Program::judge(path, None, language, machine, gauge)?;
         match &program.check {
-            Some(check) if !check.is_good() => Err(CliError::Input(program.messages)),
+            Some(check) if !check.is_good() => Err(CliError::Input(program.errors_first())),
             _ => entered::begun(program, path, language, machine),
         }
     }
@@ -252,6 +252,19 @@ impl Program {
             help: one.help.clone(),
         };
         self.diagnostics().iter().map(told).collect()
+    }
+
+    /// What is wrong, and then what it was warned of, as the user sees it.
+    fn errors_first(&self) -> String {
+        let (mut text, colour) = (self.messages.clone(), screen::colour(&std::io::stderr()));
+        for warning in self.diagnostics().iter().filter(|one| one.severity == Severity::Warning) {
+            let warning = warning.render(colour) + "\n";
+            if let Some(at) = text.find(&warning) {
+                text.replace_range(at..at + warning.len(), "");
+                text += &warning;
+            }
+        }
+        text
     }
 
     /// Every diagnostic.

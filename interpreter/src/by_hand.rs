@@ -160,6 +160,11 @@ impl ByHand {
         self.interpreter.translator.zero()
     }
 
+    /// The offset of the tool that is in force.
+    pub fn tool_offset(&self) -> PerAxis<Position> {
+        self.interpreter.translator.tool_offset()
+    }
+
     /// Number of the coordinate system in force, 1 (G54) to 9.
     pub fn system(&self) -> u8 {
         self.interpreter.program.system()

@@ -12,7 +12,7 @@ use route::Unworkable;
 
 use crate::pass_note::PassNote;
 use crate::time::{Clock, LONGEST_S};
-use crate::{GaugedThread, Interpreter, JobNote, MessageNote, options};
+use crate::{GaugedThread, Interpreter, JobNote, MessageNote, ZeroNote, options};
 
 /// After so many errors a program is not read further.
 const MOST_ERRORS: usize = 100;
@@ -38,6 +38,8 @@ pub struct Check {
     pub part: Option<Part>,
     /// X and Z of the machine at which zero of the program lies where a tool first cuts, by tool, mm.
     pub origins_mm: BTreeMap<u32, [f64; 2]>,
+    /// Where zero of the program lies, from its beginning on.
+    pub zeros: Vec<ZeroNote>,
     /// Diameters of tools, by number, as far as the tool table knows them, mm.
     pub diameters_mm: BTreeMap<u32, f64>,
     /// The threads that somebody named, so that gauges judge them.
@@ -142,6 +144,7 @@ pub fn check_while(
     check.jobs = interpreter.jobs().to_vec();
     check.part = interpreter.part().cloned();
     check.origins_mm = interpreter.origins_mm().clone();
+    check.zeros = interpreter.zeros().to_vec();
     check.diameters_mm = diameters_mm(interpreter.program());
     check.gauges = interpreter.gauges();
     check.groove = interpreter.groove().cloned();

@@ -62,6 +62,7 @@ pub mod thread;
 mod threading;
 mod time;
 mod translate;
+mod zeros;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -88,6 +89,7 @@ pub use tapping::TapNote;
 pub use thread::{BluntNote, CornerNote};
 pub use translate::GaugedThread;
 use translate::Translator;
+pub use zeros::ZeroNote;
 
 /// Reads a part program and yields machine code, one item at a time.
 ///
@@ -109,6 +111,8 @@ pub struct Interpreter {
     late: Option<Diagnostic>,
     /// Its texts come one by one, and none of them is the last.
     by_hand: bool,
+    /// Parameters of coordinate systems behind the last block.
+    systems: Vec<f64>,
 }
 
 impl Interpreter {
@@ -116,6 +120,7 @@ impl Interpreter {
     pub fn new(program: Program, machine: &Machine) -> Interpreter {
         Interpreter {
             translator: Translator::new(machine, diameters_mm(&program)),
+            systems: program.systems().to_vec(),
             program,
             errors: VecDeque::new(),
             warnings: Vec::new(),
@@ -172,6 +177,11 @@ impl Interpreter {
         self.translator.origins_mm()
     }
 
+    /// Where zero of the program lies, from its beginning on.
+    pub fn zeros(&self) -> &[ZeroNote] {
+        self.translator.zeros()
+    }
+
     /// What the program tells its operator.
     pub fn messages(&self) -> &[MessageNote] {
         self.translator.messages()
@@ -225,11 +235,24 @@ impl Interpreter {
             }
             self.ended = true;
         }
+        self.systems_change();
         self.translator.end_of_block();
         if let Err(error) = result {
             self.late = Some(*error);
         }
         self.find(astray);
+    }
+
+    /// The block may have set parameters of coordinate systems.
+    fn systems_change(&mut self) {
+        let now = self.program.systems();
+        if self.systems != now {
+            let set =
+                (Program::FIRST_OF_SYSTEMS..).zip(now.iter().copied().zip(self.systems.iter().copied()));
+            let set = set.filter(|(_, (now, before))| now != before).map(|(number, (now, _))| (number, now));
+            self.translator.systems_are(set.collect());
+            self.systems.copy_from_slice(now);
+        }
     }
 
     /// Takes up what was found; `astray`: the block begins where a refused move did not end.

@@ -15,7 +15,8 @@ use protocol::{Code, Item, PathMode, PerAxis, Position};
 use crate::in_step::InStep;
 use crate::merge::Merger;
 use crate::path_mode::PathAsked;
-use crate::smooth::Smoother;
+use crate::smooth::{Mark, Smoother};
+use crate::zeros::{ZeroNote, Zeros};
 
 /// Holds items until they are asked for.
 pub(crate) struct Output {
@@ -31,6 +32,7 @@ pub(crate) struct Output {
     /// Steps of progress that have left.
     steps: u64,
     messages: Vec<MessageNote>,
+    zeros: Zeros,
 }
 
 /// What a program tells its operator.
@@ -60,6 +62,7 @@ impl Output {
             problems: Vec::new(),
             steps: 0,
             messages: Vec::new(),
+            zeros: Zeros::default(),
         }
     }
 
@@ -75,6 +78,7 @@ impl Output {
 
     /// An item, behind the path mode that it needs; `rest` is where the axes are before it.
     pub(crate) fn push(&mut self, item: Item, rest: PerAxis<Position>, path: &PathAsked) {
+        self.zeros.makes();
         self.problems.extend(self.in_step.item(self.place, &item.code));
         let leads = matches!(item.code, Code::Line { .. } | Code::Arc { .. });
         if leads && path.mode != self.path_mode {
@@ -89,14 +93,18 @@ impl Output {
     fn smooth(&mut self, item: Item, rest: PerAxis<Position>, mode: PathMode) {
         let Output { merger, smoother, items, .. } = self;
         merger.add(item, rest, mode, &mut |item, rest| smoother.add(item, rest, mode, items));
-        self.place_messages();
+        self.place_marks();
     }
 
-    /// Messages before which it is known now how much there is.
-    fn place_messages(&mut self) {
-        let Output { smoother, items, messages, steps, .. } = self;
+    /// Messages and zeros before which it is known now how much there is.
+    fn place_marks(&mut self) {
+        let Output { smoother, items, messages, zeros, steps, .. } = self;
         for met in smoother.met() {
-            messages[met.mark].after = *steps + items.range(..met.items).map(Item::steps).sum::<u64>();
+            let after = *steps + items.range(..met.items).map(Item::steps).sum::<u64>();
+            match met.mark {
+                Mark::Message(number) => messages[number].after = after,
+                Mark::Zero(number) => zeros.lies_behind(number, after),
+            }
         }
     }
 
@@ -104,7 +112,7 @@ impl Output {
     pub(crate) fn settle(&mut self) {
         self.end_line();
         self.smoother.finish(&mut self.items);
-        self.place_messages();
+        self.place_marks();
     }
 
     /// No short line becomes one with that before it any more.
@@ -133,11 +141,50 @@ impl Output {
             return;
         }
         self.end_line();
-        self.smoother.mark(self.messages.len());
-        let held = self.items.iter().map(Item::steps).sum::<u64>();
-        let message = MessageNote { line: place.line, after: self.steps + held, text: text.trim().into() };
+        self.smoother.mark(Mark::Message(self.messages.len()));
+        let message = MessageNote { line: place.line, after: self.so_far(), text: text.trim().into() };
         self.messages.push(message);
-        self.place_messages();
+        self.place_marks();
+    }
+
+    /// Steps of progress of all that has been made, but what waits to become a curve.
+    fn so_far(&self) -> u64 {
+        self.steps + self.items.iter().map(Item::steps).sum::<u64>()
+    }
+
+    /// From here on zero of the program lies there, with this coordinate system and this tool.
+    pub(crate) fn zero_is(&mut self, origin_mm: Option<[f64; 2]>, system: u8, tool: u32) {
+        if !self.zeros.holds(origin_mm, system, tool) {
+            self.zero_changes(|note| (note.origin_mm, note.system, note.tool) = (origin_mm, system, tool));
+        }
+    }
+
+    /// From here on parameters of coordinate systems are these.
+    pub(crate) fn systems_are(&mut self, set: Vec<(u32, f64)>) {
+        self.zero_changes(|note| {
+            note.set.retain(|(number, _)| set.iter().all(|(other, _)| other != number));
+            note.set.extend(set);
+        });
+    }
+
+    fn zero_changes(&mut self, change: impl FnOnce(&mut ZeroNote)) {
+        if let Some(number) = self.zeros.change(change) {
+            self.end_line();
+            let after = self.so_far();
+            self.smoother.mark(Mark::Zero(number));
+            self.zeros.lies_behind(number, after);
+            self.place_marks();
+        }
+    }
+
+    /// A feed or a pass is made where zero of the program lies here.
+    pub(crate) fn cuts(&mut self, origin_mm: [f64; 2]) {
+        self.zeros.cuts(origin_mm);
+    }
+
+    /// Where zero of the program lies, from its beginning on.
+    pub(crate) fn zeros(&self) -> &[ZeroNote] {
+        self.zeros.notes()
     }
 
     /// Steps of progress of all that has left.

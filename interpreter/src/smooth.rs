@@ -8,8 +8,8 @@
 //! | X, Y, Z | lines on which another axis moves |
 //! | with F in mm/min, or all in mm/rev | lines nearer to the end of travel than they may be left, and all with Q0 |
 //!
-//! A piece has the line of the program at its end. Where F changes, and where the operator is told something,
-//! a piece ends; one along lines of several feeds has the lowest.
+//! A piece has the line of the program at its end. Where F changes, and where the operator is told something, or zero of
+//! the program changes, a piece ends; one along lines of several feeds has the lowest.
 
 use std::collections::VecDeque;
 
@@ -31,10 +31,17 @@ pub(crate) struct Smoother {
     met: Vec<Met>,
 }
 
+/// What is to be known of its place: a message, a note of the zero, each by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mark {
+    Message(usize),
+    Zero(usize),
+}
+
 /// A mark, and how many items there are before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Met {
-    pub(crate) mark: usize,
+    pub(crate) mark: Mark,
     pub(crate) items: usize,
 }
 
@@ -43,7 +50,7 @@ pub(crate) struct Met {
 struct Waiting {
     item: Item,
     number: u64,
-    /// Something is told before it.
+    /// Something is told before it, or zero of the program changes.
     marked: bool,
 }
 
@@ -68,7 +75,7 @@ struct Door {
     /// Where the axes are at the end of what has left.
     left: PerAxis<Position>,
     /// Marks before lines that wait, with the numbers of these.
-    marks: VecDeque<(u64, usize)>,
+    marks: VecDeque<(u64, Mark)>,
 }
 
 impl Smoother {
@@ -112,7 +119,7 @@ impl Smoother {
     }
 
     /// A mark before the next line, if lines wait: else its place is known.
-    pub(crate) fn mark(&mut self, mark: usize) {
+    pub(crate) fn mark(&mut self, mark: Mark) {
         if let Some(run) = &mut self.run {
             run.door.marks.push_back((run.lines, mark));
         }

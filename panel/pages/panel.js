@@ -225,7 +225,7 @@ function begins() {
 function mark() {
   const pre = $("text"), row = pre.children[state.line - 1];
   pre.querySelector(".now")?.classList.remove("now");
-  if (!row || !state.line) return;
+  if (!row || !state.line || state.blocks) return;
   row.classList.add("now");
   pre.scrollTop = row.offsetTop - pre.offsetTop - pre.clientHeight / 2;
 }
@@ -255,7 +255,7 @@ function told() {
     const sources = [fault, ...others].map((one) => one.source).filter((source, at, all) => all.indexOf(source) === at).join(", ");
     say("fault", `${sources} ${fault.code}: ${fault.text}`, (fault.remedy ? "look at: " + fault.remedy.replaceAll("`", "") : "") + ` (cycle ${fault.cycle})`);
   }
-  for (const message of [...(state.messages || [])].reverse()) say("", message.text, `line ${message.line}`);
+  for (const message of [...(state.messages || [])].reverse()) say("", message.text, `${state.blocks ? "block" : "line"} ${message.line}`);
   if (!list.children.length) say("", "none", "");
 }
 
@@ -396,9 +396,8 @@ function draw() {
   const house = $("views");
   while (house.children.length > views.length) house.lastChild.remove();
   while (house.children.length < views.length) house.append(document.createElement("canvas"));
-  // The part lies where it lies with the tool of the first pass, and each tool where it is at work on that.
-  const first = machine.origin_mm, now = state.origin_mm;
-  const moved = (name) => { const at = ["X", "Z"].indexOf(name); return first && now && at >= 0 ? first[at] - now[at] : 0; };
+  // Each tool is drawn where it is at work on the part, which lies in one place.
+  const moved = (name) => state.moved_mm?.[["X", "Z"].indexOf(name)] ?? 0;
   const here = state.axes?.map((axis) => axis.measured_mm + moved(axis.name));
   views.forEach(([right, up], number) => view(house.children[number], at(right), at(up), here, views.length > 1 ? 150 : 260));
 }

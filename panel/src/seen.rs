@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// Fields that are shown beside those of [`Seen`].
-const BESIDE: [&str; 11] = [
+const BESIDE: [&str; 12] = [
     "signals",
     "machine",
     "program",
@@ -20,6 +20,7 @@ const BESIDE: [&str; 11] = [
     "outcome",
     "part",
     "from",
+    "blocks",
 ];
 
 /// Every field that is shown of a machine, null: nothing is known yet.
@@ -214,9 +215,11 @@ pub struct Seen {
     pub tool: u32,
     /// Its name.
     pub tool_name: String,
-    /// X and Z of the machine at which those of the program are 0 with that tool in this pass, where that is
-    /// known, mm.
+    /// X and Z of the machine at which those of the program are 0 in the block or the pass in hand, where that
+    /// is known, mm.
     pub origin_mm: Option<[f64; 2]>,
+    /// How far the tool is drawn beside where it is, X and Z, mm.
+    pub moved_mm: [f64; 2],
     /// What the program said before the pause that it waits at.
     pub prompt: Option<String>,
     /// The pass in hand, as far as it has come.

@@ -23,7 +23,7 @@ use std::{collections::BTreeMap, fmt::Write as _, path::PathBuf, process::ExitCo
 use clap::{Args, Subcommand};
 use gcode::canon::Units;
 use gcode::files::{Changes, MachineFile, ParameterFile, Tool, ToolTable};
-use interpreter::Language;
+use interpreter::{Language, ZeroNote};
 use machine::Machine;
 use process::shell::LanguageArgs;
 use said::{OF_SYSTEM, SYSTEMS};
@@ -268,13 +268,35 @@ impl Table {
         }
     }
 
+    /// The same, kept in other files.
+    pub(crate) fn of_files(self, files: [Option<PathBuf>; 2]) -> Table {
+        Table { files, ..self }
+    }
+
+    /// The same where a program has come so far.
+    pub(crate) fn so_far(&self, notes: &[ZeroNote]) -> Table {
+        let values = self.parameters.iter().flat_map(|file| file.values.iter().copied());
+        let set = notes.iter().flat_map(|note| note.set.iter().copied());
+        let in_force = notes.last().map(|note| (IN_FORCE, f64::from(note.system)));
+        let values: BTreeMap<u32, f64> = values.chain(set).chain(in_force).collect();
+        Table {
+            parameters: Some(ParameterFile { values: values.into_iter().collect() }),
+            tools: self.tools.clone(),
+            files: self.files.clone(),
+            units: self.units,
+            reference_points: self.reference_points.clone(),
+        }
+    }
+
     fn unit(&self) -> &'static str {
         if self.units == Units::Inch { "inch" } else { "mm" }
     }
 
     /// The system in force.
-    fn in_force(&self) -> &'static str {
-        SYSTEMS.get((self.value(IN_FORCE) as usize).saturating_sub(1)).unwrap_or(&SYSTEMS[0])
+    fn in_force(&self) -> String {
+        let number = self.value(IN_FORCE) as usize;
+        let named = SYSTEMS.get(number.saturating_sub(1)).map(|name| (*name).to_owned());
+        named.unwrap_or_else(|| format!("G54.1 P{}", number - SYSTEMS.len()))
     }
 
     /// Lines that `load` takes.

@@ -17,7 +17,7 @@ pub(super) struct Document<'a> {
     units: &'a str,
     parameters: Option<String>,
     tools: Option<String>,
-    in_force: &'a str,
+    in_force: String,
     systems: Vec<System<'a>>,
     tool_offsets: Vec<OfTool<'a>>,
     /// How many more the table has.

@@ -3,6 +3,7 @@
 
 use ::panel::{HandAsked, ToPanel};
 use protocol::{Item, operator::Request};
+use rig::observe::Record;
 use serde_json::{Map, Value, json};
 
 use super::{
@@ -60,7 +61,7 @@ impl Live {
                 send(Request::Block, Who::Panel(ticket));
                 self.session.gives(text);
                 let table = hand.table(self.tables.files());
-                self.shows_tables(tables::shown(Ok(table)));
+                self.shows_tables(tables::shown(Ok(&table)));
                 self.mode = if jogs { Mode::Jog } else { Mode::Mdi };
                 // Whoever has the answer sees no machine that waits any more.
                 let mut shown = Map::new();
@@ -97,6 +98,14 @@ impl Live {
     pub(super) fn shows_tables(&mut self, shown: Value) {
         if self.still.get("offsets") != Some(&shown) {
             self.stands(Map::from_iter([("offsets".to_owned(), shown)]));
+        }
+    }
+
+    /// A program that goes on may have put another zero in force, or moved one.
+    pub(super) fn shows_zero(&mut self, record: &Record) {
+        if let Some(notes) = self.known.zero_now(record.machine) {
+            let now = self.tables.so_far(notes);
+            self.shows_tables(now);
         }
     }
 

@@ -21,6 +21,7 @@ use super::{
     jog::{fastest_jog, feed},
     lost::Lost,
     mode::Doing,
+    origins::FirstCut,
     tables::typed,
 };
 use crate::offsets::{Set, Table, Target};
@@ -40,6 +41,7 @@ pub(crate) struct Hand {
     /// Where the axes rest, while the machine waits for a block.
     rests: Option<PerAxis<Position>>,
     lost: Lost,
+    first: FirstCut,
     /// What was given last.
     pub(super) in_hand: InHand,
 }
@@ -87,6 +89,7 @@ impl Hand {
             doing: Doing::Block,
             rests: None,
             lost: Lost::default(),
+            first: FirstCut::default(),
             in_hand: InHand::default(),
         })
     }
@@ -122,6 +125,11 @@ impl Hand {
     /// X and Z of the machine where those of the program are 0 now, mm.
     pub(crate) fn origin_mm(&self) -> [f64; 2] {
         [Axis::X, Axis::Z].map(|axis| self.reader.origin()[axis.index()].mm())
+    }
+
+    /// How far the tool is drawn beside where it is, X and Z, mm.
+    pub(crate) fn moved_mm(&self) -> [f64; 2] {
+        self.first.moved_mm(&self.reader.tool_offset())
     }
 
     /// Whether X of the program is a diameter.
@@ -257,6 +265,7 @@ impl Hand {
             self.reader.forget_last();
             return Err(NotGiven::NotReferenced(why));
         }
+        self.first.gives(&items, &self.reader.tool_offset());
         let told = self.reader.messages().iter();
         let messages = told.map(|note| Message {
             line: note.line,

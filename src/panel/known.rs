@@ -7,7 +7,7 @@ use std::{
 };
 
 use ::panel::{MachineSeen, Point, ProgramSeen};
-use interpreter::Language;
+use interpreter::{Language, ZeroNote};
 use machine::Machine;
 use process::shell::Pace;
 use protocol::{Axis, MachineState, MachineStatus, PerAxis};
@@ -16,6 +16,7 @@ use rig::observe::{Observer, Record};
 use super::{
     homing::{Asked, Homing, InHand},
     jog::fastest_jog,
+    origins::Origins,
     plan::Plan,
     view,
 };
@@ -63,44 +64,16 @@ pub(crate) struct Known {
     spindle_peak: [f64; 2],
     pub(super) tool_names: BTreeMap<u32, String>,
     origins: Origins,
+    /// So many notes of the zero were in force at the last look.
+    in_force: usize,
+    /// By hand: how far the tool is drawn beside where it is, X and Z, mm.
+    moved_by_hand: Option<[f64; 2]>,
     /// Passes of which the program does not say how deep they go below the crest.
     guessed: BTreeSet<u32>,
     /// Whether the machine waits for a start, and in which cycle it went on last: what was said before that
     /// is done.
     waits: bool,
     pub(super) went_on: u64,
-}
-
-/// X and Z of the machine where those of the program are 0, mm.
-#[derive(Debug, Default)]
-struct Origins {
-    by_tool: BTreeMap<u32, [f64; 2]>,
-    by_pass: BTreeMap<u32, [f64; 2]>,
-    /// Where the part is drawn.
-    first: Option<[f64; 2]>,
-}
-
-impl Origins {
-    /// Of a program that was checked.
-    fn of(program: &Program) -> Origins {
-        let Some(check) = &program.check else { return Origins::default() };
-        let by_tool = check.origins_mm.clone();
-        let first = check.passes.first().map(|note| note.origin_mm).or(by_tool.values().next().copied());
-        let by_pass = check.passes.iter().map(|note| (note.pass, note.origin_mm)).collect();
-        Origins { by_tool, by_pass, first }
-    }
-
-    /// In a pass, else with a tool.
-    fn at(&self, pass: Option<u32>, tool: u32) -> Option<[f64; 2]> {
-        pass.and_then(|pass| self.by_pass.get(&pass)).or_else(|| self.by_tool.get(&tool)).copied()
-    }
-
-    /// A place, so that the part lies where it is drawn, whichever tool is at work there.
-    fn drawn(&self, place: &mut PerAxis<f64>, pass: Option<u32>, tool: u32) {
-        let (Some(first), Some(now)) = (self.first, self.at(pass, tool)) else { return };
-        place[Axis::X.index()] += first[0] - now[0];
-        place[Axis::Z.index()] += first[1] - now[1];
-    }
 }
 
 impl Known {
@@ -112,7 +85,7 @@ impl Known {
         let origins = Origins::of(program);
         let passes = program.check.iter().flat_map(|check| &check.passes);
         let guessed = passes.filter(|note| note.depth_mm.is_none());
-        let drawn = |place: &mut _, pass, tool| origins.drawn(place, pass, tool);
+        let drawn = |place: &mut _, pass, steps| moved(place, origins.moved(pass, steps));
         let (plan, way) = Plan::of(items, machine, program.time_s, drawn);
         let mut torque_limit_nm = PerAxis::default();
         machine.axes().for_each(|(axis, config)| torque_limit_nm[axis.index()] = config.torque_limit_nm);
@@ -127,6 +100,8 @@ impl Known {
             spindle_peak: sim_plant::spindle_peak(machine).unwrap_or_default(),
             tool_names: named.flatten().collect(),
             origins,
+            in_force: 0,
+            moved_by_hand: None,
             guessed: guessed.map(|note| note.pass).collect(),
             waits: false,
             went_on: 0,
@@ -163,10 +138,33 @@ impl Known {
         torque_nm.min(1e3 * power_kw / speed.max(1e-3))
     }
 
-    /// X and Z of the machine at which those of the program are 0, where that is known: in a pass, else with
-    /// the tool in hand.
+    /// X and Z of the machine at which those of the program are 0, where that is known: in the pass or the
+    /// block in hand.
     pub(super) fn origin_mm(&self, machine: &MachineStatus) -> Option<[f64; 2]> {
-        self.origins.at(pass_in_hand(machine), machine.tool)
+        self.origins.at(pass_in_hand(machine), self.before(machine))
+    }
+
+    /// How far the tool is drawn beside where it is, X and Z, mm: so that the part lies in one place,
+    /// whichever tool is at work there.
+    pub(super) fn moved_mm(&self, machine: &MachineStatus) -> [f64; 2] {
+        let known = || self.origins.moved(pass_in_hand(machine), self.before(machine));
+        self.moved_by_hand.or_else(known).unwrap_or_default()
+    }
+
+    /// By hand: the tool is drawn so far beside where it is, X and Z, mm.
+    pub(super) fn is_drawn_by_hand(&mut self, moved_mm: [f64; 2]) {
+        self.moved_by_hand = Some(moved_mm);
+    }
+
+    /// What the program has said of its zero so far, if that is more, or less, than at the last look.
+    pub(super) fn zero_now(&mut self, machine: &MachineStatus) -> Option<&[ZeroNote]> {
+        let notes = self.origins.so_far(self.before(machine));
+        (std::mem::replace(&mut self.in_force, notes.len()) != notes.len()).then_some(notes)
+    }
+
+    /// Steps of progress that are over when the block in hand begins.
+    fn before(&self, machine: &MachineStatus) -> u64 {
+        self.plan.before(machine.taken, machine.line)
     }
 
     /// Where the tool is drawn, by what is measured: where an axis truly is, nobody at a machine sees.
@@ -175,10 +173,17 @@ impl Known {
         for (axis, status) in record.axes {
             place[axis.index()] = status.commanded_mm - status.servo_error_mm;
         }
-        self.origins.drawn(&mut place, pass_in_hand(machine), machine.tool);
+        moved(&mut place, Some(self.moved_mm(machine)));
         let at = record.axes.iter().map(|(axis, _)| place[axis.index()] as f32);
         (at.collect(), view::kind(record))
     }
+}
+
+/// Moves a place in X and Z, mm.
+fn moved(place: &mut PerAxis<f64>, by_mm: Option<[f64; 2]>) {
+    let [x, z] = by_mm.unwrap_or_default();
+    place[Axis::X.index()] += x;
+    place[Axis::Z.index()] += z;
 }
 
 /// The pass that is in hand.
@@ -190,7 +195,7 @@ fn pass_in_hand(machine: &MachineStatus) -> Option<u32> {
 pub(super) fn stays(run: &Shown, observer: &Observer) -> (ProgramSeen, MachineSeen) {
     let Shown { machine, program, path, folder, .. } = *run;
     let text = intake::text(path, MOST_TEXT).ok();
-    let origin_mm = Origins::of(program).first;
+    let origin_mm = Origins::of(program).first();
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let program = ProgramSeen {
         name,
@@ -225,31 +230,4 @@ pub(super) fn machine_seen(machine: &Machine, pace: Pace) -> MachineSeen {
 fn flanks_deg(machine: &Machine) -> BTreeMap<u32, f64> {
     let of = machine.tools.iter().filter_map(|(number, tool)| Some((number.parse().ok()?, tool.angle_deg?)));
     std::iter::once((0, 2.0 * machine.threading.flank_half_angle_deg)).chain(of).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two tools with different offsets turn the same place of the part: it is drawn there for both.
-    #[test]
-    fn each_tool_is_drawn_where_it_is_at_work() {
-        let origins = Origins {
-            by_tool: BTreeMap::from([(1, [10.0, 50.0]), (3, [8.65, 54.2])]),
-            by_pass: BTreeMap::from([(1, [8.65, 54.2]), (2, [8.65, 55.7])]),
-            first: Some([8.65, 54.2]),
-        };
-        let drawn = |x: f64, z: f64, pass, tool| {
-            let mut place = PerAxis::default();
-            (place[Axis::X.index()], place[Axis::Z.index()]) = (x, z);
-            origins.drawn(&mut place, pass, tool);
-            [place[Axis::X.index()], place[Axis::Z.index()]].map(|mm| (1e6 * mm).round() / 1e6)
-        };
-        // X 9.91 and Z -14 of the program, with each of them; then in a pass whose zero lies elsewhere.
-        let wanted = [18.56, 40.2];
-        assert_eq!(drawn(10.0 + 9.91, 50.0 - 14.0, None, 1), wanted);
-        assert_eq!(drawn(8.65 + 9.91, 54.2 - 14.0, None, 3), wanted);
-        assert_eq!(drawn(8.65 + 9.91, 55.7 - 14.0, Some(2), 3), wanted);
-        assert_eq!(drawn(1.0, 2.0, None, 7), [1.0, 2.0], "nothing is known of that tool");
-    }
 }

@@ -152,6 +152,7 @@ impl Live {
         let none = json!({
             "program": program, "machine": machine, "outcome": null, "part": null, "way": way,
             "passes": empty, "messages": empty, "faults": empty, "signals": self.rows.signals(),
+            "blocks": self.known.plan.by_hand,
         });
         self.stands(fields(&none));
         self.stale = true;
@@ -192,6 +193,7 @@ impl Live {
         let cycle = record.truth.cycle.0;
         if let Some(hand) = &mut self.hand {
             hand.cycle(record);
+            self.known.is_drawn_by_hand(hand.moved_mm());
         }
         self.known.cycle(record, self.hand.as_ref().map(|hand| hand.in_hand));
         if self.mode != Mode::Playback {
@@ -265,6 +267,7 @@ impl Live {
         let seen = view::seen(record, observer, self.lists, &mut self.known);
         let mut shown = fields(&seen);
         self.shows_hand(&mut shown);
+        self.shows_zero(record);
         self.last.extend(shown.clone());
         if self.stale || !self.web.link.offer(&ToPanel::Set(shown)) {
             return;

@@ -11,8 +11,10 @@ mod live;
 mod lost;
 mod mode;
 mod opened;
+mod origins;
 mod plan;
 mod playback;
+mod said;
 mod scope;
 mod session;
 mod tables;
@@ -58,7 +60,7 @@ pub(crate) use web::Server;
 use crate::{
     error::CliError,
     run::{self, Prepared, RunArgs, folder::arguments_of, interrupts::Interrupts},
-    words,
+    words, written,
 };
 use scope::Rows;
 use tables::Tables;
@@ -81,7 +83,10 @@ impl Live {
         let pace = asked.pace.unwrap_or(Pace::ONE);
         self.stands(fields(&json!({ "machine": machine_seen(self.tables.machine(), pace) })));
         if let Some(program) = program {
-            let shown = json!({ "program": { "name": name, "text": intake::text(program, MOST_TEXT).ok() } });
+            let text = intake::text(program, MOST_TEXT).ok();
+            let shown = json!({ "program": {
+                "name": name, "text": text, "passes": null, "time_s": null, "folder": null,
+            } });
             self.stands(fields(&shown));
         }
     }
@@ -95,7 +100,8 @@ impl Live {
         let (program, machine) = stays(&run, &setup.program.observer(&setup.machine));
         self.rows = Rows::of(&setup.machine);
         self.begins(&program, &machine, Known::of(&run));
-        self.shows_tables(self.tables.begun(&setup.folder.language));
+        let begun = self.tables.begun(&setup.folder.language);
+        self.shows_tables(begun);
         Ok(())
     }
 }
@@ -152,6 +158,7 @@ fn at_the_machine(
     let by_hand = RunArgs { program: empty.path.clone(), by_hand: true, ..asked.clone() };
     let (program, _) = run::judged(if loaded { asked } else { &by_hand })?;
     let mut begins = Begins::at(asked, asked.from)?;
+    asked.out.as_deref().map_or(Ok(()), written::empty)?;
     let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut interrupts = Some(Interrupts::catch()?);
     let mut live = open(asked)?;

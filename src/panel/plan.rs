@@ -4,7 +4,7 @@
 
 use ::panel::Point;
 use machine::Machine;
-use protocol::{Axis, ByHand, Code, Item, PerAxis, Position};
+use protocol::{Axis, ByHand, Code, Item, PerAxis, Position, units::AXES};
 
 /// Items of machine code that are looked at; of what is behind them nothing is foretold.
 const MOST_ITEMS: usize = 50_000;
@@ -14,6 +14,8 @@ const MOST_PLACES: usize = 4_096;
 const PLACES: u32 = 16;
 /// A block that was done ahead of others lies so far before the one that the count shows at most.
 const AROUND: usize = 32;
+/// Places that are nearer than this are one, mm.
+const SAME_MM: f64 = 1e-3;
 
 /// An item of machine code.
 #[derive(Clone, Copy, Debug)]
@@ -46,30 +48,38 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// Looks at the machine code of a program that takes so long. `drawn` moves a place of the machine to
-    /// where it is drawn, in a pass, else with a tool.
+    /// where it is drawn, in a pass, else behind so many steps of progress.
     pub(crate) fn of(
         items: impl Iterator<Item = Item>,
         machine: &Machine,
         time_s: f64,
-        drawn: impl Fn(&mut PerAxis<f64>, Option<u32>, u32),
+        drawn: impl Fn(&mut PerAxis<f64>, Option<u32>, u64),
     ) -> (Plan, Vec<Point>) {
         let axes: Vec<Axis> = machine.axes().map(|(axis, _)| axis).collect();
         let (mut plan, mut at, mut steps) = (Plan { time_s, ..Plan::default() }, machine.home(), 0);
-        let mut way = vec![point(&axes, &at.map(Position::mm), 0)];
-        let (mut left, mut tool) = (MOST_ITEMS, 0);
+        let here = |at: &PerAxis<Position>, pass, steps| {
+            let mut place = at.map(Position::mm);
+            drawn(&mut place, pass, steps);
+            place
+        };
+        let mut ends = here(&at, None, 0);
+        let (mut way, mut left) = (vec![point(&axes, &ends, 0)], MOST_ITEMS);
         let items = items.take_while(|_| {
             left = left.saturating_sub(1);
             left > 0
         });
         interpreter::with_times(items, machine, |item, [begins_s, time_s]| {
-            if let Code::Tool { number } = item.code {
-                tool = number;
-            }
             let pass = if let Code::Pass(pass) = &item.code { Some(pass.pass) } else { None };
+            // Another tool begins where it is drawn.
+            let begins = here(&at, pass, steps);
+            let mut jumps = (0..AXES).any(|axis| (begins[axis] - ends[axis]).abs() > SAME_MM);
             places(item, &at, |place, kind| {
-                let mut place = *place;
-                drawn(&mut place, pass, tool);
-                way.push(point(&axes, &place, kind));
+                if std::mem::take(&mut jumps) {
+                    way.push(point(&axes, &begins, 0));
+                }
+                ends = *place;
+                drawn(&mut ends, pass, steps);
+                way.push(point(&axes, &ends, kind));
             });
             at = end(item, &at);
             steps += item.steps();
@@ -99,6 +109,15 @@ impl Plan {
         let near = self.stops.get(next.saturating_sub(AROUND)..(next + 1).min(self.stops.len()))?;
         let first = next.saturating_sub(AROUND);
         near.iter().rposition(|stop| stop.line == line).map(|place| first + place)
+    }
+
+    /// Steps of progress that are over when the block in hand begins.
+    pub(crate) fn before(&self, done: u64, line: u32) -> u64 {
+        match self.in_hand(done, line) {
+            Some(0) => 0,
+            Some(place) => self.stops[place - 1].steps,
+            None => done.saturating_sub(1),
+        }
     }
 
     /// Where the block in hand leads each axis, mm.
@@ -224,6 +243,22 @@ mod tests {
         let kinds: Vec<_> = way.iter().map(|(_, kind)| *kind).collect();
         assert_eq!(kinds, [0, 0, 1, 1, 0]);
         assert_eq!(x_z(77, 3), None, "a line that is not near");
+    }
+
+    #[test]
+    fn the_way_of_another_tool_begins_where_that_is_drawn() {
+        let machine = Machine::default();
+        let check =
+            interpreter::check("plan.ngc", "G21 G90 G94\nG0 X20 Z2\nG1 Z-10 F600\nG0 X30\nM2\n", &machine);
+        let last = check.items.iter().take_while(|item| item.line < 4).map(Item::steps).sum();
+        let drawn = |place: &mut PerAxis<f64>, _, steps: u64| {
+            if steps >= last {
+                place[Axis::X.index()] += 5.0;
+            }
+        };
+        let (_, way) = Plan::of(check.items.iter().copied(), &machine, check.time_s, drawn);
+        let x: Vec<_> = way.iter().map(|(at, kind)| (at[0], *kind)).collect();
+        assert!(x.ends_with(&[(20.0, 1), (25.0, 0), (35.0, 0)]), "{x:?}");
     }
 
     /// 12 mm and 10 mm at 10 mm/s and a dwell of 2 s: what is left goes down, by what each takes.

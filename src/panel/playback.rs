@@ -17,7 +17,6 @@ use super::{
     live::{Live, fields},
     mode::{Mode, Press},
     scope::Rows,
-    tables::shown,
     view,
 };
 use crate::{
@@ -102,7 +101,8 @@ impl Player<'_> {
         let (program, machine) = stays(&self.run, &self.observer);
         live.rows = Rows::of(self.run.machine);
         live.begins(&program, &machine, Known::of(&self.run));
-        live.shows_tables(shown(Table::of(self.run.language, self.run.machine, None)));
+        let begun = live.tables.begins(Table::of(self.run.language, self.run.machine, None));
+        live.shows_tables(begun);
         live.stands(fields(&json!({ "part": view::part(&self.recorded.summary, dir) })));
         self.shows(live, dir);
     }
@@ -196,6 +196,7 @@ impl Live {
             self.sends_rows();
             let mut shown = fields(&view::seen(record, observer, None, &mut self.known));
             self.shows_hand(&mut shown);
+            self.shows_zero(record);
             self.stands(shown);
         }
     }

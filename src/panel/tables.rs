@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use gcode::{canon::Units, files::Changes};
-use interpreter::Language;
+use interpreter::{Language, ZeroNote};
 use machine::Machine;
 use serde_json::{Value, json};
 
@@ -47,6 +47,8 @@ pub(crate) struct Tables {
     units: Option<Units>,
     /// Why nothing is written, where it is not.
     fixed: Option<&'static str>,
+    /// What the run in hand began with.
+    begun: Option<Table>,
 }
 
 impl Tables {
@@ -58,7 +60,7 @@ impl Tables {
             .then_some("the files belong to LinuxCNC's description of the machine: pitchlock offsets set --ini changes them");
         let language = language.language();
         let units = language.ini.as_ref().and_then(|path| gcode::files::MachineFile::read(path).ok());
-        Ok(Tables { machine, language, units: units.and_then(|ini| ini.units), fixed })
+        Ok(Tables { machine, language, units: units.and_then(|ini| ini.units), fixed, begun: None })
     }
 
     fn table(&self, language: &Language) -> Result<Table, CliError> {
@@ -77,15 +79,27 @@ impl Tables {
 
     /// What the files hold, or why that is not known.
     pub(super) fn kept(&self) -> Value {
-        shown(self.table(&self.language))
+        shown(self.table(&self.language).as_ref())
     }
 
     /// What a run began with: the copies in its folder.
-    pub(super) fn begun(&self, copies: &Language) -> Value {
-        shown(self.table(copies).map(|mut table| {
-            table.files = self.files();
-            table
-        }))
+    pub(super) fn begun(&mut self, copies: &Language) -> Value {
+        let files = self.files();
+        let table = self.table(copies).map(|table| table.of_files(files));
+        self.begins(table)
+    }
+
+    /// A run begins with these.
+    pub(super) fn begins(&mut self, table: Result<Table, CliError>) -> Value {
+        let shown = shown(table.as_ref());
+        self.begun = table.ok();
+        shown
+    }
+
+    /// What a program has made of them so far; of its tools that is not known before it is over.
+    pub(super) fn so_far(&self, notes: &[ZeroNote]) -> Value {
+        let now = self.begun.as_ref().map(|table| table.so_far(notes));
+        now.map_or(Value::Null, |now| shown(Ok(&now)))
     }
 
     /// Sets words in the files.
@@ -106,7 +120,7 @@ impl Tables {
 }
 
 /// A table as everybody sees it.
-pub(super) fn shown(table: Result<Table, CliError>) -> Value {
+pub(super) fn shown(table: Result<&Table, &CliError>) -> Value {
     match table {
         Ok(table) => json!(table.shown(MOST_TOOLS)),
         Err(error) => json!({ "unknown": error.to_string() }),

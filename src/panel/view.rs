@@ -4,12 +4,12 @@ use std::path::Path;
 
 use ::panel::{AxisSeen, Fault, Knobs, Message, PassSeen, Seen, SpindleSeen};
 use machine::{AxisConfig, Machine};
-use protocol::{Axis, AxisState, MachineState, MachineStatus, Motion, Panel};
+use protocol::{Axis, MachineState, MachineStatus, Motion, Panel};
 use rig::observe::{FaultReport, MessageReport, Observer, PassEnd, PassReport, Record, Summary};
 
 use serde_json::{Map, Value, json};
 
-use super::{homing::Homing, known::Known, live::fields, mode::Mode};
+use super::{known::Known, live::fields, mode::Mode, said::words};
 
 /// Passes that are shown: the newest.
 const MOST_PASSES: usize = 200;
@@ -20,8 +20,6 @@ pub(super) const IN_PASS: u8 = 2;
 pub(super) const AT_THE_INDEX: u8 = 3;
 /// A message so many lines before a pause belongs to it.
 const PROMPT_LINES: u32 = 4;
-/// An axis that is slower than this stands, mm/s.
-const AXIS_STANDS: f64 = 0.05;
 
 /// What stands behind a run, whatever of it was shown: `last` is what was. Of an axis with a reference run
 /// nobody knows where it stands as soon as the machine is off.
@@ -55,6 +53,7 @@ pub(super) fn ended(
             feed_in_force_pct: 100.0,
             rapid_pct: 100.0,
         },
+        "held": false, "single_block": false, "optional_stop": true,
         "state": "ended", "words": "the run is over",
     })));
     shown
@@ -139,6 +138,7 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
         tool: machine.tool,
         tool_name,
         origin_mm: known.origin_mm(machine),
+        moved_mm: known.moved_mm(machine),
         prompt: prompt(machine, observer, known),
         cutting: observer.pass_so_far().map(|pass| PassSeen { end: "now".into(), ..pass_seen(&pass) }),
         coolant: coolant(machine).into(),
@@ -234,112 +234,6 @@ fn faults(faults: &[FaultReport]) -> Vec<Fault> {
     .collect()
 }
 
-/// The state by its name and in words.
-fn words(record: &Record, tool_name: &str, homing: &Homing) -> (&'static str, String) {
-    let Record { truth, axes, machine } = record;
-    let panel = &truth.measurement.panel;
-    let moves = axes.iter().any(|(_, status)| status.velocity_mm_s.abs() > AXIS_STANDS);
-    let in_pass = is_in_pass(record);
-    let (line, pass) = (machine.line, machine.pass);
-    let said = |state: &'static str, words: String| (state, words);
-    let fault = protocol::Fault::from_code(machine.fault);
-    if panel.pressed(Panel::EMERGENCY_STOP) {
-        return said("emergency-stop", "emergency stop is pressed".into());
-    }
-    if let Some(fault) = fault.filter(|_| machine.state() == MachineState::Fault) {
-        return said("fault", format!("fault: {}", fault.text()));
-    }
-    if panel.pressed(Panel::STOP) || panel.pressed(Panel::ABORT) {
-        return said("stopping", "comes to rest; the program ends".into());
-    }
-    if panel.pressed(Panel::FEED_HOLD) && machine.state() != MachineState::ToolChange {
-        return match (in_pass, moves) {
-            (true, _) => {
-                said("holding", format!("hold is pressed; pass {pass} goes on as the machine file says"))
-            }
-            (_, true) => said("holding", "hold: comes to rest".into()),
-            _ => match homing.axis() {
-                Some(axis) => {
-                    said("held", format!("held in the reference run of {axis}; start goes on with it"))
-                }
-                None => said("held", "held; start goes on".into()),
-            },
-        };
-    }
-    match machine.state() {
-        MachineState::Starting => said("starting", "waits for the drives".into()),
-        MachineState::Ready => {
-            said("ready", homing.words().unwrap_or_else(|| format!("between two blocks, line {line}")))
-        }
-        MachineState::Moving => match machine.motion() {
-            Motion::Rapid => said(
-                "rapid",
-                homing.words().unwrap_or_else(|| format!("rapid, line {line}{}", stands(record))),
-            ),
-            _ => said(
-                "moving",
-                homing.words().unwrap_or_else(|| format!("feed, line {line}{}", stands(record))),
-            ),
-        },
-        MachineState::Waiting => said("waiting", format!("waits for the spindle, or dwells, line {line}")),
-        MachineState::Threading => {
-            said("threading", format!("{}, line {line}{}", in_words(axes, pass), stands(record)))
-        }
-        MachineState::Paused => match homing.axis() {
-            Some(axis) => {
-                said("paused", format!("single block: start goes on with the reference run of {axis}"))
-            }
-            None if panel.pressed(Panel::SINGLE_BLOCK) => {
-                said("paused", format!("single block, line {line}: start goes on"))
-            }
-            None => said("paused", format!("line {line} is a pause: start goes on")),
-        },
-        MachineState::ToolChange => said("tool-change", tool_in_words(machine.tool, tool_name)),
-        MachineState::ByHand => said("by-hand", "ready: jog, or give a block".into()),
-        MachineState::Ended => said("ended", "the program is over".into()),
-        MachineState::Fault => said("fault", "fault".into()),
-    }
-}
-
-/// What is turned down to nothing, if that is why nothing moves.
-fn stands(record: &Record) -> &'static str {
-    let (panel, machine) = (&record.truth.measurement.panel, record.machine);
-    match (machine.state(), machine.motion()) {
-        (MachineState::Threading, _) if machine.spindle_override_pct == 0.0 => {
-            "; the spindle stands: its override is 0 %"
-        }
-        (MachineState::Moving, Motion::Rapid) if panel.rapid_override_pct == 0.0 => {
-            "; it stands: the rapid override is 0 %"
-        }
-        (MachineState::Moving, Motion::Feed) if machine.feed_override_pct == 0.0 => {
-            "; it stands: the feed override is 0 %"
-        }
-        _ => "",
-    }
-}
-
-/// The tool that is waited for, in words.
-fn tool_in_words(number: u32, name: &str) -> String {
-    match (number, name) {
-        (0, _) => "take the tool out, and say so".into(),
-        (number, "") => format!("put in T{number}, and say that it is in"),
-        (number, name) => format!("put in T{number}, {name}, and say that it is in"),
-    }
-}
-
-/// Where a pass is.
-fn in_words(axes: &[(Axis, protocol::AxisStatus)], pass: u32) -> String {
-    let state = axes.iter().map(|(_, status)| status.state()).find(|state| state.is_in_pass());
-    match state {
-        Some(AxisState::Armed) => format!("pass {pass} waits for the index"),
-        Some(AxisState::WaitingForC0 | AxisState::RunIn) => format!("pass {pass} runs in"),
-        Some(AxisState::Locked) => format!("pass {pass} is on the helix"),
-        Some(AxisState::RunOut) => format!("pass {pass} runs out"),
-        Some(AxisState::Leaving) => format!("pass {pass} is left"),
-        _ => format!("pass {pass}"),
-    }
-}
-
 /// Whether an axis is in a pass that has begun.
 pub(super) fn is_in_pass(record: &Record) -> bool {
     record.axes.iter().any(|(_, status)| status.state().has_begun())
@@ -351,37 +245,5 @@ pub(super) fn kind(record: &Record) -> u8 {
         (true, _) => IN_PASS,
         (false, Motion::Feed) => 1,
         (false, _) => 0,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use protocol::Truth;
-
-    use super::*;
-
-    #[test]
-    fn what_is_turned_down_to_nothing_is_said_where_it_stands_for_that() {
-        let said = |state: MachineState, motion: Motion, overrides: [f64; 3]| {
-            let [spindle_override_pct, feed_override_pct, rapid] = overrides;
-            let mut truth = Truth::default();
-            truth.measurement.panel.rapid_override_pct = rapid;
-            let machine = MachineStatus {
-                state: state as u32,
-                motion: motion as u32,
-                spindle_override_pct,
-                feed_override_pct,
-                ..MachineStatus::default()
-            };
-            stands(&Record { truth: &truth, axes: &[], machine: &machine })
-        };
-        let (threading, moving) = (MachineState::Threading, MachineState::Moving);
-        assert!(said(threading, Motion::Feed, [0.0, 100.0, 100.0]).contains("spindle"));
-        assert!(said(moving, Motion::Feed, [100.0, 0.0, 100.0]).contains("feed"));
-        assert!(said(moving, Motion::Rapid, [100.0, 100.0, 0.0]).contains("rapid"));
-        for (state, motion) in [(threading, Motion::Feed), (moving, Motion::Feed), (moving, Motion::Rapid)] {
-            assert_eq!(said(state, motion, [100.0; 3]), "");
-        }
-        assert_eq!(said(moving, Motion::Feed, [0.0, 100.0, 0.0]), "", "neither is why");
     }
 }

@@ -258,7 +258,9 @@ fn program(desk: &Desk, area: Rect) -> Vec<Line<'static>> {
         return vec![Line::styled(no_text, DIM)];
     }
     let from = desk.field("from")["from"].as_u64();
-    let running = from.or(desk.field("line").as_u64()).unwrap_or_default() as usize;
+    // Those of work by hand before are no lines of it.
+    let line = desk.field("line").as_u64().filter(|_| desk.field("blocks") != true);
+    let running = from.or(line).unwrap_or_default() as usize;
     let rows = usize::from(area.height);
     let first = running.saturating_sub(1 + rows / 2).min(text.len().saturating_sub(rows));
     let shown = text.iter().enumerate().skip(first).take(rows);
@@ -299,7 +301,8 @@ fn messages(desk: &Desk) -> Vec<Line<'static>> {
         let remedy = word(&fault["remedy"]);
         lines.extend(Some(format!("  look at: {remedy}")).filter(|_| !remedy.is_empty()).map(Line::from));
     }
-    let told = |message: &Value| Line::from(format!("line {}: {}", message["line"], word(&message["text"])));
+    let of = if desk.field("blocks") == true { "block" } else { "line" };
+    let told = |message: &Value| Line::from(format!("{of} {}: {}", message["line"], word(&message["text"])));
     lines.extend(all("messages").iter().rev().map(told));
     if lines.len() == head {
         lines.push(Line::styled("none", DIM));

@@ -202,6 +202,14 @@ impl Program {
         self.reader.shared(number).unwrap_or_else(|| Some(self.state.parameter(number)))
     }
 
+    /// The first of the parameters of [`Program::systems`].
+    pub const FIRST_OF_SYSTEMS: u32 = crate::state::SYSTEM + 1;
+
+    /// The parameters that hold offsets and rotations of G54 to G59.3, twenty of each, in machine units.
+    pub fn systems(&self) -> &[f64] {
+        self.state.memory.from(Self::FIRST_OF_SYSTEMS, 9 * 20)
+    }
+
     /// What outlives the program, as far as it has come.
     pub fn outlasting(&self) -> Outlasting {
         self.start.outlasting(&self.reader, &self.state)

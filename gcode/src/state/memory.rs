@@ -98,6 +98,12 @@ impl Memory {
         self.numbered.get(index as usize).copied().unwrap_or(0.0)
     }
 
+    /// So many values from `#first` on, as far as there are parameters.
+    pub(crate) fn from(&self, first: u32, many: usize) -> &[f64] {
+        let first = first as usize;
+        self.numbered.get(first..first + many).unwrap_or_default()
+    }
+
     /// Sets `#index`, 1 to [`LAST`]; nothing happens if there is none.
     pub(crate) fn set_numbered(&mut self, index: u32, value: f64) {
         if let Some(parameter) = self.numbered.get_mut(index as usize) {

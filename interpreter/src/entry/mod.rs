@@ -25,7 +25,7 @@ use route::{
     in_force::Modal,
 };
 
-use crate::{Interpreter, MessageNote};
+use crate::{Interpreter, MessageNote, ZeroNote};
 pub use refusal::NoEntry;
 use ways::Ways;
 
@@ -73,6 +73,14 @@ impl Begun {
         let after = |note: &MessageNote| note.after.saturating_sub(read) + before;
         let told = self.rest.messages().iter().skip(self.told);
         told.map(|note| MessageNote { after: after(note), ..note.clone() }).collect()
+    }
+
+    /// Where zero of the program lies, counted likewise: what was read before is in force from the beginning.
+    pub fn zeros(&self) -> Vec<ZeroNote> {
+        let (read, before) = (self.entry.modal.steps, self.entry.before.iter().map(Item::steps).sum::<u64>());
+        let after = |after: u64| if after > read { after - read + before } else { 0 };
+        let notes = self.rest.zeros().iter();
+        notes.map(|note| ZeroNote { after: after(note.after), ..note.clone() }).collect()
     }
 }
 

@@ -22,6 +22,11 @@ impl Translator {
         self.push(line, Code::ByHand(ByHand::Waits));
     }
 
+    /// The offset of the tool that is in force, mm.
+    pub(crate) fn tool_offset(&self) -> PerAxis<Position> {
+        self.points.axes(&self.modal.frame.tool)
+    }
+
     /// X and Z of the machine where those of the program are 0 now, mm.
     pub(crate) fn zero(&self) -> PerAxis<Position> {
         self.points.axes(&self.modal.frame.machine(&[0.0; 6]))

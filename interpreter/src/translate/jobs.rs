@@ -47,6 +47,7 @@ impl Translator {
     /// Tool, spindle and coolant of a job file.
     fn set_up(&mut self, line: u32, setup: &Setup) {
         let tool = setup.tool.and_then(|number| self.auxiliary.select_tool(number));
+        self.zero_is_of_job();
         self.push_some(line, tool);
         if let Some(rpm) = setup.spindle_rpm {
             self.spindle.turn(rpm);

@@ -63,6 +63,8 @@ pub(crate) struct Translator {
     diameters_mm: BTreeMap<u32, f64>,
     /// Where zero of the program lies on the machine where a tool first cuts: X, Z.
     origins_mm: BTreeMap<u32, [f64; 2]>,
+    /// Number of the coordinate system in force.
+    system: u8,
     gauged: Gauged,
     drilled: Drilled,
 }
@@ -120,6 +122,7 @@ impl Translator {
             block_lies: false,
             diameters_mm,
             origins_mm: BTreeMap::new(),
+            system: 1,
             gauged: Gauged::default(),
             drilled: Drilled::default(),
         }
@@ -265,7 +268,9 @@ impl Translator {
             | Call::SetMotionControlMode(_)
             | Call::SetNaivecamTolerance { .. }
             | Call::StartSpeedFeedSynch { .. }
-            | Call::StopSpeedFeedSynch => self.modal.change(&call, &self.machine),
+            | Call::StopSpeedFeedSynch => {
+                self.modal.change(&call, &self.machine).map(|()| self.zero_follows(&call))
+            }
             Call::Message(text) | Call::Print(text) | Call::Log(_, text) => {
                 self.output.tell(place, text);
                 Ok(())
@@ -303,6 +308,7 @@ impl Translator {
                 find_tool(number, machine)?;
                 may_change(machine, self.spindle.turns())?;
                 let tool = self.auxiliary.select_tool(number);
+                self.zero_follows(call);
                 self.push_some(line, tool);
             }
             Call::MistOn | Call::MistOff | Call::FloodOn | Call::FloodOff => {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use gcode::canon::Units;
 use gcode::problem::Blame;
-use gcode::{Place, Problem};
+use gcode::{Call, Place, Problem};
 use machine::{Kinematics, Part};
 use protocol::{Arc, Axis, PerAxis, Position, ThreadPass};
 
@@ -14,6 +14,7 @@ use crate::block::Block;
 use crate::reach::Done;
 use crate::stock::{Goes, Stock, drill_mm, point};
 use crate::thread::Point;
+use crate::zeros::ZeroNote;
 
 /// An arc is looked at in so many chords.
 const CHORDS: u32 = 32;
@@ -82,6 +83,37 @@ impl Translator {
         Point { x: at[gcode::canon::X], z: at[gcode::canon::Z] }
     }
 
+    /// A call may move zero of the program.
+    pub(super) fn zero_follows(&mut self, call: &Call<'_>) {
+        match *call {
+            Call::SetG5xOffset(system, _) => self.system = system,
+            Call::SetG92Offset(_)
+            | Call::UseToolLengthOffset(_)
+            | Call::SetXyRotation(_)
+            | Call::SelectTool(_)
+            | Call::ChangeTool(_)
+            | Call::ChangeToolNumber(_) => {}
+            _ => return,
+        }
+        let Point { x, z } = self.origin();
+        self.output.zero_is(Some([x, z]), self.system, self.auxiliary.tool().unwrap_or(0));
+    }
+
+    /// A job file has a zero of its own.
+    pub(super) fn zero_is_of_job(&mut self) {
+        self.output.zero_is(None, self.system, self.auxiliary.tool().unwrap_or(0));
+    }
+
+    /// Parameters of coordinate systems were set.
+    pub(crate) fn systems_are(&mut self, set: Vec<(u32, f64)>) {
+        self.output.systems_are(set);
+    }
+
+    /// Where zero of the program lies, from its beginning on.
+    pub(crate) fn zeros(&self) -> &[ZeroNote] {
+        self.output.zeros()
+    }
+
     /// Where zero of the program lies where a tool first cuts.
     pub(crate) fn origins_mm(&self) -> &BTreeMap<u32, [f64; 2]> {
         &self.origins_mm
@@ -95,6 +127,7 @@ impl Translator {
             self.part = self.part.take().map(|part| part.moved([at[gcode::canon::X], at[gcode::canon::Y]]));
         }
         self.origins_mm.entry(tool).or_insert([origin.x, origin.z]);
+        self.output.cuts([origin.x, origin.z]);
     }
 
     /// A straight move from where the axes rest.

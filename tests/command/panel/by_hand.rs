@@ -145,6 +145,7 @@ fn messages_of_a_block_are_told_and_stand_in_the_summary() {
         (message["cycle"].as_u64().unwrap_or(0), message["text"].as_str().unwrap_or("").into())
     };
     told(&seen.iter().map(of).collect::<Vec<_>>());
+    assert_eq!(panel.state()["blocks"], true, "their lines are numbers of blocks");
     let summary = ended(&place, panel);
     told(&summary.messages.iter().map(|told| (told.cycle, told.text.clone())).collect::<Vec<_>>());
     is_repeated(&place, "session", &summary);

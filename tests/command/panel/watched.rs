@@ -329,15 +329,60 @@ fn a_program_is_started_as_often_as_somebody_presses_start() {
     assert_eq!(said.matches("completed: ").count(), 2, "{said}");
 }
 
+/// Zero of the program, and the table of its systems, are told as they are in the block in hand. Keys are
+/// shown behind a run as the next one has them.
+#[test]
+fn zero_is_told_as_it_is_in_force_and_keys_as_the_next_run_has_them() {
+    let place = Place::new();
+    let text = "G21 G90 G8\nG10 L2 P2 Z-50\nG54\nG0 X20 Z10\nM0\nG55\nM0\nG0 Z12\nG54 G92 Z100\nM0\nM2\n";
+    let program = place.write("zero.ngc", text).display().to_string();
+    let panel = Panel::start(&place, &["panel", &program, "--trace", "none", "--pace", "20"]);
+    let loaded = panel.state()["program"].clone();
+    assert!(["passes", "time_s", "folder"].iter().all(|name| loaded.get(name) == Some(&Value::Null)));
+    panel.press("take-seat");
+    panel.press("start");
+    for (line, system, z) in [(5, "G54", 0.0), (7, "G55", -50.0), (10, "G54", -138.0)] {
+        until("it waits, with that system", || {
+            let state = panel.state();
+            state["state"] == "paused" && state["line"] == line && state["offsets"]["in_force"] == system
+        });
+        let state = panel.state();
+        assert_eq!(state["origin_mm"][1], z, "line {line}");
+        assert_eq!(state["offsets"]["systems"][1]["Z"], -50.0);
+        if line < 10 {
+            panel.press("start");
+        }
+    }
+    panel.turn("single-block", true);
+    until("it is seen", || panel.state()["single_block"] == true);
+    panel.press("abort");
+    until("it is off", || panel.state()["mode"] == "off");
+    let state = panel.state();
+    assert_eq!((&state["single_block"], &state["optional_stop"]), (&json!(false), &json!(true)));
+    signal(panel.launcher.id(), "INT");
+    assert_eq!(panel.ends().status, Some(0));
+}
+
+#[test]
+fn what_is_wrong_is_said_before_what_is_warned_of() {
+    let place = Place::new();
+    let program = place.write("bad.ngc", "G21 G18 G90\nG1 X30 F100\nG1 Z-999\nM2\n").display().to_string();
+    let said = place.ask(&["run", &program]).stderr;
+    let at = |what: &str| said.find(what).unwrap_or_else(|| panic!("no {what}: {said}"));
+    assert!(at("error[") < at("warning["), "{said}");
+}
+
 #[test]
 fn what_is_not_there_is_said_before_there_is_a_panel() {
     let place = Place::new();
     let program = example("m20x2").display().to_string();
+    place.write("other.txt", "");
     for (asked, said) in [
         (&["run", &program, "--panel", "--in-process"][..], "leave out --in-process"),
         (&["run", &program, "--port", "80"], "add --panel"),
         (&["panel", &program, "--panel"], "leave it out"),
         (&["panel", "nowhere.ngc"], "nowhere.ngc"),
+        (&["panel", &program, "--out", "."], "other files are in this folder already"),
         (&["panel", &program, "--listen", "192.0.2.1"], "--listen 192.0.2.1"),
     ] {
         let answer = place.ask(asked);
