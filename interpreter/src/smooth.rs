@@ -8,8 +8,8 @@
 //! | X, Y, Z | lines on which another axis moves |
 //! | with F in mm/min, or all in mm/rev | lines nearer to the end of travel than they may be left, and all with Q0 |
 //!
-//! A piece has the line of the program at its end. Where F changes, and where the operator is told something, or zero of
-//! the program changes, a piece ends; one along lines of several feeds has the lowest.
+//! A piece has the line of the program at its end. Where F changes, and where the operator is told something,
+//! or zero of the program changes, a piece ends; one along lines of several feeds has the lowest.
 
 use std::collections::VecDeque;
 

@@ -8,7 +8,8 @@ pub struct ZeroNote {
     /// Steps of progress ([`protocol::Item::steps`]) before it.
     pub after: u64,
     /// X and Z of the machine at which X 0 and Z 0 of the program lie, tool and offsets included, mm. `None`
-    /// where that is not known: the zero of a job file is its own, and of notes without end only so many are kept.
+    /// where that is not known: the zero of a job file is its own, and of notes without end only so many are
+    /// kept.
     pub origin_mm: Option<[f64; 2]>,
     /// Number of the coordinate system in force: 1 (G54) to 9, 9 + P for G54.1 P of FANUC.
     pub system: u8,

@@ -215,8 +215,8 @@ pub struct Seen {
     pub tool: u32,
     /// Its name.
     pub tool_name: String,
-    /// X and Z of the machine at which those of the program are 0 in the block or the pass in hand, where that
-    /// is known, mm.
+    /// X and Z of the machine at which those of the program are 0 in the block or the pass in hand, where
+    /// that is known, mm.
     pub origin_mm: Option<[f64; 2]>,
     /// How far the tool is drawn beside where it is, X and Z, mm.
     pub moved_mm: [f64; 2],

@@ -14,6 +14,7 @@ use super::{
     hand::Hand,
     known::Known,
     mode::{Mode, Press},
+    said::is_in_pass,
     scope::Rows,
     session::{Presses, Session, Who, request},
     tables::Tables,
@@ -244,10 +245,10 @@ impl Live {
     fn takes_a_turn(&mut self, record: &Record) {
         let now = record.truth.spindle_deg / 360.0;
         let Some((turns, from)) = self.turned.take() else {
-            self.turned = view::is_in_pass(record).then(|| (now, self.known.place(record)));
+            self.turned = is_in_pass(record).then(|| (now, self.known.place(record)));
             return;
         };
-        if turns.floor() == now.floor() && view::is_in_pass(record) {
+        if turns.floor() == now.floor() && is_in_pass(record) {
             // The line from here to where the index goes by is as straight as one cycle.
             self.turned = Some((now, self.known.place(record)));
             return;

@@ -1,10 +1,10 @@
-//! Where zero of a program lies as it goes on, and where its tools are drawn. In: what the check found. Out: X
-//! and Z of the machine where those of the program are 0, in any block; how far a tool is drawn beside where
-//! it is. All in mm, X of a lathe as a radius.
+//! Where zero of a program lies as it goes on, and where its tools are drawn. In: what the check found. Out:
+//! X and Z of the machine where those of the program are 0, in any block; how far a tool is drawn beside
+//! where it is. All in mm, X of a lathe as a radius.
 //!
 //! The part is drawn in one place, where it lies with the tool of the first pass, or else of the first feed.
-//! Each tool is drawn where it is at work on that: by the zero that it cuts with. On its way from where it was
-//! put in, and away, another zero may be in force, or none yet.
+//! Each tool is drawn where it is at work on that: by the zero that it cuts with. On its way from where it
+//! was put in, and away, another zero may be in force, or none yet.
 
 use std::collections::BTreeMap;
 
@@ -64,8 +64,8 @@ impl Origins {
     }
 }
 
-/// By which zero tools are drawn behind each note: that with which something is cut there; else the next one
-/// with which that tool cuts, or the last one; before there is a tool, that of the first.
+/// By which zero tools are drawn behind each note: that with which something is cut there; else the next
+/// one with which that tool cuts, or the last one; before there is a tool, that of the first.
 fn drawn(notes: &[ZeroNote]) -> Vec<Option<[f64; 2]>> {
     let (mut next, mut coming): (BTreeMap<u32, _>, _) = (BTreeMap::new(), None);
     let mut drawn: Vec<Option<[f64; 2]>> = vec![None; notes.len()];
@@ -87,8 +87,8 @@ fn drawn(notes: &[ZeroNote]) -> Vec<Option<[f64; 2]>> {
 }
 
 /// By hand: the offset of the tool that cut first, X and Z. That tool is drawn where it is, and others where
-/// they are at work on what it has cut: an offset is where the tip of a tool is. Zero of the coordinate system
-/// moves no tool.
+/// they are at work on what it has cut: an offset is where the tip of a tool is. Zero of the coordinate
+/// system moves no tool.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct FirstCut(Option<[f64; 2]>);
 

@@ -1,10 +1,10 @@
-//! What the machine does, in words. In: a [`Record`], the tool by its name, the reference run in hand. Out: the
-//! state by its name, and a line for people.
+//! What the machine does, in words. In: a [`Record`], the tool by its name, the reference run in hand. Out:
+//! the state by its name, and a line for people.
 
 use protocol::{Axis, AxisState, MachineState, Motion, Panel};
 use rig::observe::Record;
 
-use super::{homing::Homing, view::is_in_pass};
+use super::homing::Homing;
 
 /// An axis that is slower than this stands, mm/s.
 const AXIS_STANDS: f64 = 0.05;
@@ -116,6 +116,11 @@ fn tool_in_words(number: u32, name: &str) -> String {
         (number, "") => format!("put in T{number}, and say that it is in"),
         (number, name) => format!("put in T{number}, {name}, and say that it is in"),
     }
+}
+
+/// Whether an axis is in a pass that has begun.
+pub(super) fn is_in_pass(record: &Record) -> bool {
+    record.axes.iter().any(|(_, status)| status.state().has_begun())
 }
 
 /// Where a pass is.

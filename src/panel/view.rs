@@ -9,7 +9,12 @@ use rig::observe::{FaultReport, MessageReport, Observer, PassEnd, PassReport, Re
 
 use serde_json::{Map, Value, json};
 
-use super::{known::Known, live::fields, mode::Mode, said::words};
+use super::{
+    known::Known,
+    live::fields,
+    mode::Mode,
+    said::{is_in_pass, words},
+};
 
 /// Passes that are shown: the newest.
 const MOST_PASSES: usize = 200;
@@ -90,8 +95,7 @@ pub(super) fn seen(record: &Record, observer: &Observer, shown: Option<Counts>, 
         }
         false => known.plan.left_s(done, time_s).filter(|_| !known.homing.is_by_hand()),
     };
-    let counts = Counts::of(observer);
-    let lists = shown != Some(counts);
+    let lists = shown != Some(Counts::of(observer));
     let axis = |(axis, status): &(Axis, protocol::AxisStatus)| AxisSeen {
         name: axis.name().to_ascii_uppercase(),
         referenced: !machine.is_unreferenced(*axis),
@@ -232,11 +236,6 @@ fn faults(faults: &[FaultReport]) -> Vec<Fault> {
         remedy: remedy(&one.code),
     })
     .collect()
-}
-
-/// Whether an axis is in a pass that has begun.
-pub(super) fn is_in_pass(record: &Record) -> bool {
-    record.axes.iter().any(|(_, status)| status.state().has_begun())
 }
 
 /// How the tool goes in this cycle, as in a place of its trail.
