@@ -28,6 +28,8 @@ struct Before {
     /// Our own number.
     own: Nonce,
     name: String,
+    /// Hash of the machine file that was compared.
+    machine: String,
     session: Session,
     files: Vec<(String, Vec<u8>)>,
     wants: Wants,
@@ -37,6 +39,8 @@ struct Before {
 pub struct Asked {
     /// Its name.
     pub run: String,
+    /// Hash of the machine file that was compared for it.
+    pub compared: String,
     /// The session in which everything of it is said.
     pub session: Session,
     /// Its files.
@@ -51,6 +55,8 @@ pub struct Asked {
 pub struct Door {
     key: Key,
     here: Identity,
+    /// The machine file cannot be read, and is compared when something is asked for.
+    unread: bool,
     mouths: Mouths,
     before: Vec<Before>,
     /// The run that is on.
@@ -65,7 +71,17 @@ pub struct Door {
 impl Door {
     /// A door for those with this key who are as this host is.
     pub fn new(key: Key, here: Identity, mouths: Mouths, outcome: Option<(String, Value)>) -> Door {
-        Door { key, here, mouths, before: Vec::new(), on: None, outcome, seen: None, looks: false }
+        Door {
+            key,
+            here,
+            unread: false,
+            mouths,
+            before: Vec::new(),
+            on: None,
+            outcome,
+            seen: None,
+            looks: false,
+        }
     }
 
     /// What comes when no run is on, or is of another session than that. Gives the run that it asks for.
@@ -109,9 +125,10 @@ impl Door {
                 before.session.voice.say(&Message::Refused(BUSY.into()))?;
             }
             Message::Begin(words) => {
-                let Before { name, session, files, wants, .. } = self.before.swap_remove(at);
+                let Before { name, machine, session, files, wants, .. } = self.before.swap_remove(at);
                 self.on = Some(name.clone());
-                return Ok(Some(Asked { run: name, session, files, words, by_panel: wants == Wants::Panel }));
+                let (run, compared, by_panel) = (name, machine, wants == Wants::Panel);
+                return Ok(Some(Asked { run, compared, session, files, words, by_panel }));
             }
             _ => {}
         }
@@ -124,6 +141,10 @@ impl Door {
         let difference = match &hello.wants {
             // Who asks how a run has ended moves nothing.
             Wants::Look | Wants::Outcome(_) => self.here.hall_difference(&hello.identity),
+            _ if self.unread => {
+                let machine = hello.identity.machine.clone();
+                Identity { machine, ..self.here.clone() }.difference(&hello.identity)
+            }
             _ => self.here.difference(&hello.identity),
         };
         let (own, verdict) = match (difference, hello.wants) {
@@ -131,7 +152,7 @@ impl Door {
             (None, Wants::Look) => (0, self.looked_at()),
             (None, Wants::Outcome(run)) => (0, self.became_of(&run)),
             (None, _) if self.on.is_some() => (0, Verdict::Refused(BUSY.into())),
-            (None, wants) => (self.welcome((of, back), wants)?, Verdict::Welcome),
+            (None, wants) => (self.welcome((of, back), hello.identity.machine, wants)?, Verdict::Welcome),
         };
         let answer = Answer { of: hello.nonce, nonce: hex(own), verdict };
         // An answer that finds no place is asked for again; a summary is long, and needs its time.
@@ -153,18 +174,15 @@ impl Door {
         }
     }
 
-    /// The machine file has this hash from now on. Who was compared with another one has to ask again.
-    pub fn compares(&mut self, machine: String) {
-        self.here.machine = machine;
+    /// The machine file has this hash from now on, or none. Who was compared with another one has to ask
+    /// again.
+    pub fn compares(&mut self, machine: Option<String>) {
+        self.unread = machine.is_none();
+        self.here.machine = machine.unwrap_or_default();
         for before in self.before.drain(..) {
             // Who is gone hears nothing.
             let _ = before.session.voice.say(&Message::Refused(CHANGED.into()));
         }
-    }
-
-    /// Hash of the machine file that is compared.
-    pub fn compared(&self) -> &str {
-        &self.here.machine
     }
 
     /// What the machine does.
@@ -187,7 +205,12 @@ impl Door {
     }
 
     /// A session for a greeting, which may have come before. Our number in it.
-    fn welcome(&mut self, (of, back): (Nonce, Nonce), wants: Wants) -> Result<Nonce, LinkError> {
+    fn welcome(
+        &mut self,
+        (of, back): (Nonce, Nonce),
+        machine: String,
+        wants: Wants,
+    ) -> Result<Nonce, LinkError> {
         if let Some(before) = self.before.iter().find(|before| before.of == of) {
             return Ok(before.own);
         }
@@ -199,7 +222,7 @@ impl Door {
             // A greeting can be said again by anybody who has heard it; what follows it cannot.
             self.before.remove(self.before.iter().position(|before| !before.session.has_spoken).unwrap_or(0));
         }
-        self.before.push(Before { of, own, name, session, files: Vec::new(), wants });
+        self.before.push(Before { of, own, name, machine, session, files: Vec::new(), wants });
         Ok(own)
     }
 }

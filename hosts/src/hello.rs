@@ -31,7 +31,12 @@ impl HostArgs {
     /// # Errors
     /// [`LinkError::Input`] if the key cannot be had.
     pub fn read(&self) -> Result<(Key, Identity), LinkError> {
-        Ok((Key::read(&self.key)?, Identity::here(&self.control, &self.machine)))
+        Ok((Key::read(&self.key)?, self.identity()))
+    }
+
+    /// What this host is.
+    pub fn identity(&self) -> Identity {
+        Identity::here(&self.control, &self.machine)
     }
 }
 

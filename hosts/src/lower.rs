@@ -2,7 +2,9 @@
 //! interpolator, and the credit back. In: what comes through the door. Out: a run, told to `pitchlock serve`.
 
 use std::{
+    fmt::Display,
     fs,
+    io::BufRead,
     net::TcpListener,
     os::fd::AsFd as _,
     path::{Path, PathBuf},
@@ -22,8 +24,9 @@ use crate::{
     hello::HostArgs,
     message::Message,
     panel,
+    seal::Key,
     session::Session,
-    talk::{Said, Told, leave, say},
+    talk::{Said, Told, beats, hear, leave, say},
     wire::{Event, Wire},
 };
 
@@ -42,17 +45,19 @@ pub struct LowerArgs {
     /// Empty folder for the files of a run.
     #[arg(long, value_name = "DIR")]
     pub into: PathBuf,
-    /// File with what became of the run before.
-    #[arg(long, value_name = "FILE")]
-    pub outcome: Option<PathBuf>,
 }
 
-/// What became of the run before, and its name.
-fn outcome(args: &LowerArgs) -> Result<Option<(String, Value)>, LinkError> {
-    let Some(path) = &args.outcome else { return Ok(None) };
-    let text = intake::text(path, intake::SUMMARY).map_err(|error| LinkError::file(path, error))?;
-    let value: Value = serde_json::from_str(&text).map_err(|error| LinkError::file(path, error))?;
-    Ok(value["run"].as_str().map(str::to_owned).map(|run| (run, value)))
+/// What the launcher says first: the key, if it was read before, and what became of the run before, with its
+/// name.
+fn before(parent: &mut impl BufRead) -> Result<(Option<Key>, Option<(String, Value)>), LinkError> {
+    let wrong = |error: &dyn Display| LinkError::broken("the first line of the launcher", error);
+    let mut line = String::new();
+    parent.read_line(&mut line).map_err(|error| wrong(&error))?;
+    let Told::Before { key, outcome } = serde_json::from_str(&line).map_err(|error| wrong(&error))? else {
+        return Err(wrong(&"is another one"));
+    };
+    let named = |value: Value| value["run"].as_str().map(str::to_owned).map(|run| (run, value));
+    Ok((key.and_then(|text| Key::of(&text)), outcome.and_then(named)))
 }
 
 /// Runs the lower end of the link: one run, or none if nobody asks for one.
@@ -60,14 +65,15 @@ fn outcome(args: &LowerArgs) -> Result<Option<(String, Value)>, LinkError> {
 /// # Errors
 /// [`LinkError`].
 pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
-    let (key, here) = args.host.read()?;
-    let before = outcome(args)?;
+    let mut parent = hear()?;
+    let (key, before) = before(&mut parent)?;
+    let key = key.map_or_else(|| Key::read(&args.host.key), Ok)?;
     // The launcher holds the address, from the first run to the last: it is the standard output here.
     let listener = std::io::stdout().as_fd().try_clone_to_owned().map(TcpListener::from);
     let listener = listener.map_err(|error| LinkError::broken("the address", error))?;
     let wire = Wire::behind_a_gate(listener, &key, &args.into)?;
-    wire.hear_the_parent()?;
-    let mut door = Door::new(key, here, wire.mouths(), before);
+    wire.hear(parent)?;
+    let mut door = Door::new(key, args.host.identity(), wire.mouths(), before);
     say(&Said::Listening);
     let asked = loop {
         match wire.wait(NAP) {
@@ -85,14 +91,15 @@ pub fn run(args: &LowerArgs) -> Result<(), LinkError> {
             Some(Event::Shut(_) | Event::Gone) | None => {}
         }
     };
-    let compared = door.compared().to_owned();
-    let Asked { run, mut session, files, words, by_panel } = asked;
+    let Asked { run, compared, mut session, files, words, by_panel } = asked;
     if let Err(error) = put(&args.into, files) {
         // Nothing has moved, and the next one may be smaller.
         panel::last_word(Message::Refused(error.to_string()), &wire, &mut session)?;
         say(&Said::Note(error.to_string()));
         return Ok(());
     }
+    // The machine does not go on beside a link that is stopped.
+    beats()?;
     say(&match by_panel {
         true => Said::Panel { words, compared },
         false => Said::Run { run, words, compared },

@@ -15,7 +15,7 @@ use crate::{
     pipe::Pipe,
     session::Session,
     talk::{Said, Told, beats, leave, say},
-    upper::{AGAIN, CallArgs, Caller, PATIENT_S, send_files},
+    upper::{AGAIN, CallArgs, Caller, PATIENT_S, refused, send_files},
     wire::{Event, Wire},
 };
 
@@ -137,7 +137,7 @@ pub fn run(args: &CallArgs) -> Result<(), LinkError> {
     let (run, mut session) = caller.call(&Wants::Panel, PATIENT_S)?;
     session.voice.beat()?;
     say(&Said::Welcome { run });
-    let carried = carry_up(&caller.wire, &mut session);
+    let carried = carry_up(&caller, &mut session);
     let over = LinkError::Broken("it is over".into());
     session.ends(carried.as_ref().err().unwrap_or(&over));
     session.told().into_iter().for_each(|text| say(&Said::Note(text)));
@@ -147,13 +147,14 @@ pub fn run(args: &CallArgs) -> Result<(), LinkError> {
 }
 
 /// Carries it on host A.
-fn carry_up(wire: &Wire, session: &mut Session) -> Result<(), LinkError> {
+fn carry_up(caller: &Caller, session: &mut Session) -> Result<(), LinkError> {
+    let wire = &caller.wire;
     let (mut carried, mut place, mut goes) = (Carried::default(), None, false);
     let (mut number, mut again) = (0, Moment::now());
     loop {
         match wire.wait(AGAIN) {
             Some(Event::Frame(bytes)) => match session.hear(&bytes)? {
-                Some(Message::Refused(text)) => return Err(LinkError::Input(text)),
+                Some(Message::Refused(text)) => return Err(refused(&caller.at, &text)),
                 Some(Message::Over) => return Ok(()),
                 Some(Message::Go) => {
                     goes = true;

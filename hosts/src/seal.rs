@@ -63,6 +63,9 @@ impl Key {
                 path.display()
             ))
         })?;
+        if !found.is_file() {
+            return Err(wrong(&"is not a file"));
+        }
         // Whoever reads this has its own number.
         let own = fs::metadata("/proc/self").map_or(found.uid(), |process| process.uid());
         if ![own, 0].contains(&found.uid()) {
@@ -74,10 +77,13 @@ impl Key {
             return Err(wrong(&format!("others can read this key\nhelp: chmod 600 {}", path.display())));
         }
         let text = intake::text(path, 4096).map_err(|error| wrong(&error))?;
-        let hash = blake3::Hash::from_hex(text.trim());
-        let hash = hash
-            .map_err(|_| wrong(&"a key is 64 hexadecimal digits, as `pitchlock-link key FILE` makes one"))?;
-        Ok(Key(*hash.as_bytes()))
+        Key::of(&text)
+            .ok_or_else(|| wrong(&"a key is 64 hexadecimal digits, as `pitchlock-link key FILE` makes one"))
+    }
+
+    /// The key of such a text.
+    pub fn of(text: &str) -> Option<Key> {
+        blake3::Hash::from_hex(text.trim()).ok().map(|hash| Key(*hash.as_bytes()))
     }
 
     /// Makes a file with a new key.

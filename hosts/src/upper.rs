@@ -45,7 +45,7 @@ pub struct Caller {
     pub wire: Wire,
     key: Key,
     here: Identity,
-    at: String,
+    pub(crate) at: String,
     role: Role,
 }
 
@@ -138,7 +138,7 @@ impl Caller {
     /// Why a run has not begun, if anybody there knows.
     fn why_not(&mut self, run: &str) -> Option<LinkError> {
         match self.became_of(run, PATIENT_S) {
-            Ok(Verdict::Outcome(value)) => value["error"].as_str().map(|text| LinkError::Input(text.into())),
+            Ok(Verdict::Outcome(value)) => value["error"].as_str().map(|text| refused(&self.at, text)),
             _ => None,
         }
     }
@@ -170,7 +170,7 @@ pub fn run(args: &CallArgs) -> Result<(), LinkError> {
     session.voice.beat()?;
     say(&Said::Welcome { run: run.clone() });
     let mut began = false;
-    let carried = carry(&caller.wire, &mut session, &mut began);
+    let carried = carry(&caller, &mut session, &mut began);
     if let Err(error) = &carried {
         session.ends(error);
     }
@@ -183,6 +183,11 @@ pub fn run(args: &CallArgs) -> Result<(), LinkError> {
     drop(session);
     say(&Said::Outcome(caller.outcome(&run)?));
     Ok(())
+}
+
+/// What the other computer refuses: nothing of what it names is here.
+pub(crate) fn refused(at: &str, text: &str) -> LinkError {
+    LinkError::Input(format!("on the computer at {at}: {text}"))
 }
 
 /// Sends the files of a run.
@@ -212,11 +217,11 @@ pub(crate) fn send_files(session: &Session, told: &Told) -> Result<(), LinkError
 }
 
 /// From the files of the run until nothing more is wanted; whether it has begun.
-fn carry(wire: &Wire, session: &mut Session, began: &mut bool) -> Result<(), LinkError> {
+fn carry(Caller { wire, at, .. }: &Caller, session: &mut Session, began: &mut bool) -> Result<(), LinkError> {
     let address = loop {
         match wire.wait(AGAIN) {
             Some(Event::Frame(bytes)) => match session.hear(&bytes)? {
-                Some(Message::Refused(text)) => return Err(LinkError::Input(text)),
+                Some(Message::Refused(text)) => return Err(refused(at, &text)),
                 Some(Message::Go) => {
                     *began = true;
                     say(&Said::Started);
@@ -252,7 +257,7 @@ fn carry(wire: &Wire, session: &mut Session, began: &mut bool) -> Result<(), Lin
                         deliver(&mut credit, &given)?;
                         interpreter.wake()?;
                     }
-                    Some(Message::Refused(text)) => return Err(LinkError::Input(text)),
+                    Some(Message::Refused(text)) => return Err(refused(at, &text)),
                     _ => {}
                 },
                 Event::Line(line) => match serde_json::from_str(&line) {

@@ -8,9 +8,12 @@
 
 use std::{
     fs::{self, DirBuilder},
-    io::BufRead as _,
+    io::{BufRead as _, BufReader},
     net::{TcpListener, TcpStream},
-    os::unix::{fs::DirBuilderExt as _, net::UnixListener},
+    os::unix::{
+        fs::DirBuilderExt as _,
+        net::{SocketAddr, UnixListener, UnixStream},
+    },
     path::{Path, PathBuf},
     sync::{
         Arc, OnceLock,
@@ -253,6 +256,13 @@ impl Wire {
     pub fn behind_a_gate(listener: TcpListener, key: &Key, folder: &Path) -> Result<Wire, LinkError> {
         let mut wire = Wire::new()?;
         let behind = folder.join(BEHIND);
+        // Zenoh would try for some seconds, and not say why.
+        SocketAddr::from_pathname(&behind).map_err(|_| {
+            LinkError::file(
+                folder,
+                "the name of the folder for temporary files is too long: set TMPDIR to a folder such as /tmp",
+            )
+        })?;
         wire.speaks(Level::Lower, &behind)?;
         wire.gate = Some(Gate::open(listener, key.gate(), &behind)?);
         Ok(wire)
@@ -330,7 +340,15 @@ impl Wire {
     /// # Errors
     /// There is nobody, or no thread for it.
     pub fn hear_the_parent(&self) -> Result<(), LinkError> {
-        let (source, parent) = (self.source.clone(), talk::hear()?);
+        self.hear(talk::hear()?)
+    }
+
+    /// The same, and what it has said first was read.
+    ///
+    /// # Errors
+    /// There is no thread for it.
+    pub fn hear(&self, parent: BufReader<&'static UnixStream>) -> Result<(), LinkError> {
+        let source = self.source.clone();
         let hear = move || {
             for line in parent.lines().map_while(Result::ok) {
                 source.happened(Event::Line(line));

@@ -107,8 +107,17 @@ pub struct Watched {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Told {
-    /// The machine file has this hash now: whoever comes from here on is compared with that.
-    Compared(String),
+    /// What is known from before, the first line of all: the key, if its file was read, and what became of
+    /// the last run.
+    Before {
+        /// As it is in its file.
+        key: Option<String>,
+        /// With the name of that run.
+        outcome: Option<Value>,
+    },
+    /// The machine file has this hash now: whoever comes from here on is compared with that. One that cannot
+    /// be read has none, and is compared when something is asked for.
+    Compared(Option<String>),
     /// Take your place in the name space with this address.
     Join {
         /// Its address.

@@ -68,7 +68,9 @@ fn look(args: &DoctorArgs) -> Result<ExitCode, CliError> {
         ),
         Err(error) => writeln!(
             text,
-            "FAIL  channels of a machine: {error}\n      this user needs a writable /dev/shm and a folder for temporary files (TMPDIR)"
+            "FAIL  channels of a machine: {}\n      this user needs a writable /dev/shm and a folder for temporary files (TMPDIR), with room in both",
+            // That is what is run here.
+            error.to_string().trim_end_matches("; run `pitchlock doctor`")
         ),
     };
     drop(space);

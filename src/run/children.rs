@@ -113,6 +113,11 @@ impl Started {
         self.link.as_mut().map_or(Wish::None, stops)
     }
 
+    /// Whether it is a link that says nothing any more.
+    pub(crate) fn is_dumb(&mut self) -> bool {
+        self.lives() && self.link.as_mut().is_some_and(Heard::is_dumb)
+    }
+
     /// A link whose hall asks what the machine does.
     pub(crate) fn looked_at(&mut self) -> Option<&mut Heard> {
         self.link.as_mut().filter(|link| link.is_looked_at())

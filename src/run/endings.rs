@@ -128,10 +128,7 @@ impl Death {
 
     fn report(&self, cycle: u64) -> FaultReport {
         let (code, text) = match self.frozen {
-            true => (
-                "process-frozen",
-                "it did not answer any more, all others waited for it, and it was killed".into(),
-            ),
+            true => ("process-frozen", "it did not answer any more, and was killed".into()),
             false => ("process-died", format!("the process {}", self.ending)),
         };
         FaultReport { cycle, source: self.name.clone(), code: code.into(), text }

@@ -5,6 +5,7 @@ mod channels;
 mod children;
 pub(crate) mod claim;
 mod disk;
+mod ended;
 mod endings;
 pub(crate) mod folder;
 mod gives;
@@ -38,7 +39,6 @@ use process::{
     shell::{Clock, Pace},
 };
 use rig::journal::{Keeper, Origin};
-use rig::observe::{Outcome, Summary};
 use serde_json::Value;
 
 use crate::{
@@ -55,6 +55,7 @@ use crate::{
 use args::Fell;
 pub(crate) use args::{FarArgs, HELP, RunArgs, Timing, Trace};
 use claim::SUMMARY;
+use ended::{Ended, Form};
 use folder::{ARRIVALS, RunFolder, Seen};
 use interrupts::Interrupts;
 pub(crate) use journal::JOURNAL;
@@ -64,7 +65,7 @@ use recorder::{Recorded, keep_arrivals};
 use resumed::Resumed;
 use scenario::can_be_played;
 pub(crate) use scenario::read_scenario;
-use summed::{summed_up, told};
+use summed::summed_up;
 
 /// Everything a run depends on.
 pub(crate) struct Setup {
@@ -246,6 +247,8 @@ pub(crate) struct Prepared {
     keeps: Option<Keeps>,
     in_process: bool,
     json: bool,
+    /// Whoever runs it goes on behind it.
+    stays: bool,
 }
 
 impl Prepared {
@@ -285,7 +288,7 @@ impl Prepared {
             resumed,
             link: Rc::default(),
         };
-        Ok(Prepared { setup, keeps, in_process: args.in_process, json: args.json })
+        Ok(Prepared { setup, keeps, in_process: args.in_process, json: args.json, stays: false })
     }
 
     /// Runs it, and says what came of it.
@@ -293,9 +296,18 @@ impl Prepared {
         self,
         quiet: bool,
         interrupts: &mut Option<Interrupts>,
-        mut live: Option<&mut Live>,
+        live: Option<&mut Live>,
     ) -> Result<ExitCode, CliError> {
-        let Prepared { mut setup, keeps, in_process, json } = self;
+        self.runs(interrupts, live)?.tells(quiet)
+    }
+
+    /// Runs it; what came of it.
+    fn runs(
+        self,
+        interrupts: &mut Option<Interrupts>,
+        mut live: Option<&mut Live>,
+    ) -> Result<Ended, CliError> {
+        let Prepared { mut setup, keeps, in_process, json, stays } = self;
         let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
         live.as_mut().map_or(Ok(()), |live| live.prepared(&setup))?;
         let Recorded { mut summary, failed: unrecorded, stands, arrivals } = if in_process {
@@ -327,8 +339,8 @@ impl Prepared {
         let recorded = arrivals.map_or(Ok(()), |arrivals| keep_arrivals(&folder, &arrivals));
         let written = summary.write(&folder.join(SUMMARY)).map_err(CliError::from);
         let pressed = live.as_mut().map_or(Ok(()), |live| live.ends(&summary, &folder));
-        // A panel that stays heeds them when it has written and said all.
-        let stays = live.is_some_and(|live| !live.ends_with_its_run);
+        // Who stays heeds them when all is written and said.
+        let stays = stays || live.is_some_and(|live| !live.ends_with_its_run);
         if !stays {
             caught.let_go();
         }
@@ -344,48 +356,9 @@ impl Prepared {
             (_, true) => Form::Json,
             _ => Form::Printed,
         };
-        tell_end(&summary, report.as_deref().ok(), form, quiet)?;
-        if let Some(error) = unrecorded.or(recorded.err()).or(report.err()).or(kept.err()).or(pressed.err()) {
-            return Err(error);
-        }
-        Ok(status(&summary))
+        let (report, undrawn) =
+            report.map_or_else(|error| (None, Some(error)), |report| (Some(report), None));
+        let unwritten = unrecorded.or(recorded.err()).or(undrawn).or(kept.err()).or(pressed.err());
+        Ok(Ended { summary, folder, report, unwritten, form })
     }
-}
-
-/// How it is told what came of a run.
-enum Form {
-    /// Printed as one document.
-    Json,
-    /// Printed in words.
-    Printed,
-    /// Said: a panel that stays waits for no reader.
-    Said,
-}
-
-/// Tells what came of a run.
-fn tell_end(summary: &Summary, report: Option<&Path>, form: Form, quiet: bool) -> Result<(), CliError> {
-    if quiet && let Some(fault) = summary.faults.first() {
-        words::say(&format!("error: {}\n", told(fault)));
-    }
-    match form {
-        Form::Json => {
-            let text = serde_json::to_string_pretty(summary);
-            let text = text.map_err(|error| CliError::Machine(error.to_string()))?;
-            screen::print(&format!("{text}\n"));
-        }
-        _ if quiet => {}
-        Form::Printed => screen::print(&summed_up(summary, report)),
-        Form::Said => words::say(&summed_up(summary, report)),
-    }
-    Ok(())
-}
-
-/// 0 done, and the part is good as far as it is judged; 1 not done; 3 done, but the part is not good, and why
-/// is said.
-fn status(summary: &Summary) -> ExitCode {
-    if summary.outcome != Outcome::Completed {
-        return ExitCode::from(1);
-    }
-    summary.part.told().for_each(|told| words::say(&format!("{told}\n")));
-    if summary.part.reasons.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(3) }
 }

@@ -279,9 +279,8 @@ impl Launch<'_> {
         } else {
             frozen.extend(self.watchdog.look(&mut self.space, &self.started)?);
         }
-        for process in frozen {
-            self.kill_frozen(process);
-        }
+        frozen.extend(self.started.iter_mut().filter_map(|one| one.is_dumb().then(|| one.host.beats())));
+        frozen.into_iter().for_each(|process| self.kill_frozen(process));
         Ok(())
     }
 

@@ -4,14 +4,16 @@ use std::{
     fs,
     io::Write as _,
     net::TcpListener,
+    os::unix::fs::PermissionsExt as _,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
+    process::Stdio,
     thread::Builder,
     time::Duration,
 };
 
 use hosts::{call::call, proof::Role, seal::Key};
 use process::ipc::time::{Moment, sleep_until};
+use serde_json::Value;
 
 use crate::{
     place::{Host, Place, control, ended, project, signal, summary, until, wait_s},
@@ -70,6 +72,8 @@ fn a_machine_that_cannot_start_says_why_to_the_other_computer() {
         assert_eq!(output.status.code(), Some(2), "{}", text(&output));
         assert!(text(&output).contains(what), "{}", text(&output));
         assert!(!text(&output).contains("tool in a thread"), "{}", text(&output));
+        let there = format!("on the computer at {}: ", place.address);
+        assert!(text(&output).contains(&there), "{}", text(&output));
     };
     // Run folders cannot be made.
     let runs = place.at("b/runs");
@@ -81,8 +85,40 @@ fn a_machine_that_cannot_start_says_why_to_the_other_computer() {
     for entry in fs::read_dir(place.at("b/tmp")).expect("a folder").flatten() {
         fs::remove_dir_all(entry.path()).expect("removed");
     }
-    until("it is seen", 10.0, || place.said().contains("was removed: another one waits"));
+    let seen = |times| place.said().matches("was removed: another one waits").count() == times;
+    until("it is seen", 10.0, || seen(1));
     assert_eq!(place.run(&short, &[])["outcome"], "completed");
+    // And with that the folder of all temporary files.
+    fs::remove_dir_all(place.at("b/tmp")).expect("removed");
+    until("it is seen", 10.0, || seen(2));
+    assert_eq!(place.run(&short, &[])["outcome"], "completed");
+}
+
+/// It is read once: neither a run nor its outcome needs the file again.
+#[test]
+fn a_key_that_is_removed_in_a_run_or_read_by_others_ends_nothing() {
+    let place = waiting();
+    let key = place.at("key");
+    for change in [
+        |key: &Path| fs::rename(key, key.with_extension("away")),
+        |key: &Path| fs::set_permissions(key, fs::Permissions::from_mode(0o644)),
+    ] {
+        let before = place.runs().len();
+        let program = project("examples/m20x2.ngc");
+        let run = place.far(&program, &["--json", "--trace", "none", "--pace", "20"]).spawn();
+        let run = run.expect("it starts");
+        until("the run has begun", 20.0, || {
+            place.runs().get(before).is_some_and(|run| run.join("journal.bin").exists())
+        });
+        change(&key).expect("changed");
+        let output = ended(run, 60.0);
+        assert_eq!(output.status.code(), Some(0), "{}\n{}", text(&output), place.said());
+        assert_eq!(summary(&output)["outcome"], "completed");
+        // Whoever calls from here reads the same file.
+        let _ = fs::rename(key.with_extension("away"), &key);
+        fs::set_permissions(&key, fs::Permissions::from_mode(0o600)).expect("changed");
+        assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
+    }
 }
 
 /// Its folder of temporary files is so deep that no socket has a place in it: that is found behind the files.
@@ -102,6 +138,19 @@ fn a_machine_whose_name_space_cannot_be_made_is_refused_at_once() {
     assert!(text(&output).contains("TMPDIR"), "{}", text(&output));
     assert!(begun.elapsed().as_secs_f64() < 15.0, "{}", text(&output));
     assert!(!text(&output).contains("tool in a thread"), "{}", text(&output));
+}
+
+/// Not even the link has a place there.
+#[test]
+fn a_folder_of_temporary_files_that_is_too_deep_for_the_link_is_named() {
+    let place = Place::new(None);
+    let deep = place.at("b").join("d".repeat(100));
+    fs::create_dir(&deep).expect("a folder");
+    let mut serve = place.command(Host::B, &control());
+    serve.args(["serve", "--listen", &place.address, "--key"]).arg(place.at("key")).env("TMPDIR", deep);
+    let output = serve.output().expect("it starts");
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(text(&output).contains("too long: set TMPDIR"), "{}", text(&output));
 }
 
 /// On one computer nobody is in a hurry with it; on two nobody sees from there that it computes.
@@ -133,6 +182,23 @@ fn a_measurement_that_is_broken_off_shows_what_it_has_and_says_why() {
     assert!(text(&output).contains("| bytes | sent |"), "{}", text(&output));
 }
 
+/// No process of it goes on, and why is said.
+#[test]
+fn a_measurement_that_is_told_to_end_ends_with_its_link() {
+    let place = waiting();
+    for name in ["TERM", "INT"] {
+        let mut doctor = place.command(Host::A, &control());
+        doctor.args(["doctor", "--at", &place.address, "--key"]).arg(place.at("key"));
+        let doctor = doctor.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+        until("it measures", 20.0, || !place.links_of("ping").is_empty());
+        signal(doctor.id(), name);
+        let output = ended(doctor, 20.0);
+        assert_eq!(output.status.code(), Some(1), "{name}: {}", text(&output));
+        assert!(text(&output).contains("broken off here"), "{name}: {}", text(&output));
+        assert!(place.links_of("ping").is_empty(), "{name}");
+    }
+}
+
 #[test]
 fn a_link_that_is_stopped_beside_the_program_is_given_up() {
     let place = waiting();
@@ -146,6 +212,26 @@ fn a_link_that_is_stopped_beside_the_program_is_given_up() {
     assert!(text(&output).contains("pitchlock-link here does not answer any more"), "{}", text(&output));
     assert!(place.links(Host::A).is_empty(), "it is ended");
     until("the machine there rests", 60.0, || place.is_clean(Host::B));
+}
+
+/// As behind a cable that is cut, and not when all is cut that was sent.
+#[test]
+fn a_link_that_is_stopped_at_the_machine_stops_it() {
+    let place = waiting();
+    let run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "2"]).spawn();
+    let run = run.expect("it starts");
+    place.cuts(1);
+    place.links(Host::B).iter().for_each(|link| signal(*link, "STOP"));
+    let output = ended(run, 15.0);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    let path = place.runs()[0].join("summary.json");
+    until("the machine rests", 30.0, || path.exists());
+    let summary: Value = serde_json::from_str(&fs::read_to_string(path).expect("read")).expect("a summary");
+    let fault = &summary["faults"][0];
+    assert_eq!((&fault["source"], &fault["code"]), (&"pitchlock-link".into(), &"process-frozen".into()));
+    let passes = summary["passes"].as_array().expect("passes").len();
+    assert!(passes < 10, "{passes} of 15 passes were cut");
+    assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
 }
 
 /// So long nobody heard the link but because he was stopped himself.
@@ -242,6 +328,11 @@ fn a_machine_file_that_is_wrong_for_a_while_ends_nothing() {
     for _ in 0..2 {
         runs("there.toml", 2);
     }
+    // That is the reason also where the file that was there before is another one than here.
+    place.write("here.toml", &(lathe.clone() + "# another one\n"));
+    wait_s(1.0);
+    runs("there.toml", 2);
+    place.write("here.toml", &lathe);
     place.write("there.toml", &lathe);
     runs("completed", 0);
 }
@@ -257,35 +348,5 @@ fn the_port_that_the_system_chose_is_told() {
         said.split("the machine waits at ").nth(1).and_then(|rest| rest.lines().next()).expect("an address");
     assert!(!at.ends_with(":0"), "{at}");
     place.address = at.to_owned();
-    assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
-}
-
-/// A small file system, until it is dropped.
-struct Small(std::path::PathBuf);
-
-impl Drop for Small {
-    fn drop(&mut self) {
-        let _ = Command::new("umount").arg("-l").arg(&self.0).status();
-    }
-}
-
-#[test]
-fn files_without_room_are_refused_and_the_machine_waits_on() {
-    let mut place = Place::new(None);
-    let small = place.at("b/tmp");
-    let mut mount = Command::new("mount");
-    mount.args(["-t", "tmpfs", "-o", "size=300k", "tmpfs"]).arg(&small).stderr(Stdio::null());
-    if !mount.status().is_ok_and(|status| status.success()) {
-        eprintln!("left out: a small file system needs an administrator");
-        return;
-    }
-    let _small = Small(small);
-    place.write("short.ngc", "G18 G21 G90 G94\nG0 X50 Z90\nM2\n");
-    let long = place.write("long.ngc", &format!("G21\n{}G0 X25\nM2\n", "(nothing at all)\n".repeat(50_000)));
-    place.serve(&[]);
-    let output = place.far(&long, &[]).output().expect("it starts");
-    assert_eq!(output.status.code(), Some(2), "{}\n{}", text(&output), place.said());
-    assert!(text(&output).contains("long.ngc: does not fit on the machine's computer"), "{}", text(&output));
-    assert!(place.runs().is_empty(), "nothing has moved");
     assert_eq!(place.run(&place.at("short.ngc"), &[])["outcome"], "completed");
 }

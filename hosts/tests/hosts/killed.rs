@@ -63,6 +63,28 @@ fn a_launcher_that_is_killed_before_it_has_summed_up_is_named_within_five_second
     panic!("each of five runs was summed up before its launcher was killed");
 }
 
+/// Nothing of a run is lost, and nobody is told of a link that is.
+#[test]
+fn a_machine_that_is_told_to_end_while_it_sums_up_says_how_the_run_ended() {
+    let mut place = Place::new(None);
+    for name in ["TERM", "HUP", "INT"] {
+        place.serve(&[]);
+        let (program, links) = (project("examples/m20x2.ngc"), place.links(Host::B));
+        let run = place.far(&program, &[]).spawn().expect("it starts");
+        until("the link has ended with the run", 60.0, || place.links(Host::B) != links);
+        place.signal_serve(name);
+        let output = ended(run, 20.0);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}\n{}", text(&output), place.said());
+        let folder = place.runs().pop().expect("a run folder");
+        assert!(folder.join("report.html").exists(), "{name}");
+        // Ctrl-C is for the run, or for what waits behind it.
+        if name != "INT" {
+            assert_eq!(place.serve_ends(10.0), Some(0), "{name}: {}", place.said());
+        }
+        assert!(place.is_clean(Host::B) || name == "INT", "{name}");
+    }
+}
+
 /// The process of the link at the machine is killed, too: its end of the connection says so.
 #[test]
 fn a_link_that_is_killed_at_the_machine_is_named_before_silence_would_be() {

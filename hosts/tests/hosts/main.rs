@@ -12,4 +12,5 @@ mod panel;
 mod place;
 mod refusals;
 mod relay;
+mod room;
 mod rude;

@@ -305,6 +305,28 @@ fn whoever_stands_there_is_killed_in_a_program_and_the_machine_comes_to_rest() {
     assert!(place.said().contains("the link to the panel was lost"), "{}", place.said());
 }
 
+/// Nobody reaches the machine by it, so it is as if nobody stood there.
+#[test]
+fn a_link_that_is_stopped_at_the_machine_in_a_program_brings_it_to_rest() {
+    let mut place = Place::new(None);
+    place.serve(&[]);
+    let program = project("examples/m20x2.ngc").display().to_string();
+    let mut panel = Panel::start(&place, &[&program, "--pace", "2", "--trace", "none"]);
+    panel.press("take-seat", Value::Null);
+    panel.press("start", Value::Null);
+    until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+    let links = place.links(Host::B);
+    links.iter().for_each(|link| signal(*link, "STOP"));
+    assert_eq!(ended(panel.launcher.take().expect("it is there"), 15.0).status.code(), Some(1));
+    let summary = summary_of(&place, 0);
+    assert_eq!((&summary["outcome"], &summary["faults"]), (&"stopped".into(), &json!([])), "{summary}");
+    until("the machine waits again", 10.0, || {
+        let now = place.links(Host::B);
+        !now.is_empty() && now != links
+    });
+    assert!(place.said().contains("pitchlock-link here does not answer any more"), "{}", place.said());
+}
+
 #[test]
 fn what_is_not_for_the_machine_of_another_computer_is_refused_with_the_remedy() {
     let place = Place::new(None);

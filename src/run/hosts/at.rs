@@ -13,15 +13,15 @@ use process::{
 use rig::observe::Summary;
 use serde_json::Value;
 
-use super::{Call, Link, command, compared};
+use super::{Call, DUMB_S, Link, command, compared};
 use crate::{
     error::CliError,
     run::{
-        Form, Prepared, RunArgs, Setup,
+        Prepared, RunArgs, Setup,
         children::Started,
+        ended::{Form, status, tell_end},
         interrupts::{Interrupts, Wish},
         recorder::axes,
-        status, tell_end,
     },
     words,
 };
@@ -61,7 +61,7 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
     let mut command = command("upper", &compared(&asked.machine)?, key)?;
     command.arg("--at").arg(at);
-    let link = Link::start(command, Stdio::null())?;
+    let link = Link::start(command, Stdio::null(), DUMB_S)?;
     let (wish, worked) = (Wish::None, (Moment::now(), 0));
     let mut far = Far {
         setup: &setup,
@@ -79,7 +79,7 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     far.link.end();
     let value = ended?;
     if let Some(error) = value["error"].as_str() {
-        return Err(CliError::Machine(format!("{at}: {error}")));
+        return Err(there(at, error));
     }
     let summary: Summary = serde_json::from_value(value["summary"].clone())
         .map_err(|error| CliError::Machine(format!("the summary of {at}: {error}")))?;
@@ -90,7 +90,15 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     // What the program was lies there, with all that the run has left.
     drop(setup);
     tell_end(&summary, None, if json { Form::Json } else { Form::Printed }, quiet)?;
+    if let Some(error) = value["unwritten"].as_str() {
+        return Err(there(at, error));
+    }
     kept.map(|()| status(&summary))
+}
+
+/// Something that is wrong on the other computer.
+fn there(at: &str, error: &str) -> CliError {
+    CliError::Machine(format!("on the computer at {at}: {error}"))
 }
 
 /// The run as the other computer is asked for it: the program, then what is not in the files.

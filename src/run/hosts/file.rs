@@ -24,6 +24,8 @@ pub(super) struct Compared<'a> {
     pub(super) name: String,
     /// BLAKE3 of its text.
     pub(super) hash: String,
+    /// It was changed behind that, and cannot be read.
+    is_wrong: bool,
     stamp: Stamp,
     looked: Moment,
 }
@@ -43,7 +45,7 @@ impl<'a> Compared<'a> {
         let stamp = stamp(args);
         let (machine, text) = args.read()?;
         let hash = rig::hash::hex_of_text(&text);
-        Ok(Compared { args, name: machine.general.name, hash, stamp, looked: Moment::now() })
+        Ok(Compared { args, name: machine.general.name, hash, is_wrong: false, stamp, looked: Moment::now() })
     }
 
     /// Whether it is time for a look, which this counts as.
@@ -53,6 +55,11 @@ impl<'a> Compared<'a> {
             self.looked = Moment::now();
         }
         is_due
+    }
+
+    /// The hash, if it is that of the file as it is.
+    pub(super) fn compared(&self) -> Option<String> {
+        Some(self.hash.clone()).filter(|_| !self.is_wrong)
     }
 
     /// Reads it again if it was changed; whether it is another one now. What is wrong with it is told, and
@@ -65,12 +72,12 @@ impl<'a> Compared<'a> {
         match Compared::read(self.args) {
             Ok(read) => {
                 let before = std::mem::replace(self, read);
-                before.hash != self.hash
+                before.compared() != self.compared()
             }
             Err(error) => {
                 self.stamp = now;
                 words::say(&format!("error: {error}\n"));
-                false
+                !std::mem::replace(&mut self.is_wrong, true)
             }
         }
     }

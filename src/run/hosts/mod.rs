@@ -23,11 +23,15 @@ use std::{
 };
 
 use process::{
+    ipc::time::{Moment, sleep_until},
     link::{Said, Told, Watch},
     shell::Clock,
 };
 
-use super::interrupts::Wish;
+use super::{
+    interrupts::{Interrupts, Wish},
+    watchdog::Watchdog,
+};
 use crate::{args::MachineArgs, error::CliError, words};
 
 pub(crate) use at::run_at;
@@ -40,8 +44,10 @@ pub(super) const LINK: &str = "pitchlock-link";
 /// How long nothing is looked at while the link says nothing.
 const NAP: Duration = Duration::from_millis(20);
 
-/// So long a link on the computer of whoever calls says nothing, which says twice a second that it lives.
-const DUMB: Duration = Duration::from_secs(5);
+/// So long a link says nothing, which says twice a second that it lives: on the computer of whoever calls,
+/// and where the machine is, which stops as soon behind it as behind a cable that is cut, s.
+const DUMB_S: f64 = 5.0;
+const DUMB_THERE_S: f64 = 2.0;
 /// So long a link may take for its last words.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
@@ -61,8 +67,8 @@ pub(crate) struct Heard {
     looked: bool,
     /// How often the interpreter on the other computer said that it computes.
     computed: u64,
-    /// How many looks in a row have heard nothing.
-    dumb: u32,
+    /// For how long nothing was heard.
+    dumb: Watchdog,
 }
 
 /// Who calls whom, and as what.
@@ -102,23 +108,35 @@ fn bare(end: &str) -> Result<Command, CliError> {
 pub(crate) fn hall(machines: &[Watch]) -> Result<Link, CliError> {
     let mut command = bare("hall")?;
     command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
-    let mut link = Link::start(command, Stdio::null())?;
+    let mut link = Link::start(command, Stdio::null(), DUMB_S)?;
     link.heard.says(&machines)?;
     Ok(link)
 }
 
 /// Measures the way to another computer and back, and prints a table.
 pub(crate) fn ping(machine: &MachineArgs, (at, key): (&str, &Path)) -> Result<ExitCode, CliError> {
+    let wrong = |error: std::io::Error| CliError::Machine(error.to_string());
+    let mut interrupts = Interrupts::catch()?;
     let mut command = command("ping", &compared(machine)?, key)?;
-    let status =
-        command.arg("--at").arg(at).status().map_err(|error| CliError::Machine(error.to_string()))?;
+    let mut child = command.arg("--at").arg(at).process_group(0).spawn().map_err(wrong)?;
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(wrong)? {
+            break status;
+        }
+        if interrupts.is_wished() {
+            child.kill().and_then(|()| child.wait()).map_err(wrong)?;
+            return Err(CliError::Machine("the measurement was broken off here".into()));
+        }
+        sleep_until(Moment::now().after(NAP));
+    };
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
 impl Link {
     /// Starts it, in a process group of its own: Ctrl-C reaches the launcher only. Its standard input is a
     /// socket by which both speak; its standard output, at the machine, the address at which it is called.
-    fn start(mut command: Command, address: Stdio) -> Result<Link, CliError> {
+    /// One that says nothing for so long is given up.
+    fn start(mut command: Command, address: Stdio, dumb_s: f64) -> Result<Link, CliError> {
         let wrong = |error: std::io::Error| CliError::Machine(format!("cannot start {LINK}: {error}"));
         let (ear, its) = UnixStream::pair().map_err(wrong)?;
         command.stdin(Stdio::from(OwnedFd::from(its))).stdout(address).process_group(0);
@@ -135,9 +153,10 @@ impl Link {
             all.for_each(|said| drop(sender.send(said)));
         };
         std::thread::Builder::new().name("link".into()).spawn(hear).map_err(wrong)?;
+        let dumb = Watchdog::new(dumb_s);
         Ok(Link {
             child,
-            heard: Heard { said, ear, wish: Wish::None, why: None, looked: false, computed: 0, dumb: 0 },
+            heard: Heard { said, ear, wish: Wish::None, why: None, looked: false, computed: 0, dumb },
         })
     }
 
@@ -161,6 +180,11 @@ impl Link {
         let told = Told::Join { address: address.into(), real: clock == Clock::Real };
         self.heard.tell(&told)?;
         Ok((self.child, self.heard))
+    }
+
+    /// It says nothing any more, and is to say nothing later either. It may have ended already.
+    fn is_given_up(&mut self) {
+        let _ = self.child.kill();
     }
 
     /// It hears that nothing more is wanted, has a moment for its last words, and is ended.
@@ -189,6 +213,7 @@ impl Heard {
     /// What somebody at the other computer wants, all in all.
     pub(super) fn wish(&mut self) -> Wish {
         while let Ok(said) = self.said.try_recv() {
+            self.dumb.calm();
             match said {
                 Said::Press(1) => self.wish = self.wish.max(Wish::Stop),
                 Said::Press(_) => self.wish = self.wish.max(Wish::EmergencyStop),
@@ -207,6 +232,11 @@ impl Heard {
         self.computed
     }
 
+    /// Whether it says nothing any more: each call is a look.
+    pub(super) fn is_dumb(&mut self) -> bool {
+        self.dumb.is_over()
+    }
+
     /// What is said next, if that comes soon.
     ///
     /// # Errors
@@ -214,17 +244,13 @@ impl Heard {
     fn hears(&mut self) -> Result<Option<Said>, String> {
         match self.said.recv_timeout(NAP) {
             Ok(said) => {
-                self.dumb = 0;
+                self.dumb.calm();
                 Ok(Some(said).filter(|said| *said != Said::Beat))
             }
-            // Each look takes that long, and no look is what this process misses while it is stopped.
-            Err(RecvTimeoutError::Timeout) if self.dumb * NAP < DUMB => {
-                self.dumb += 1;
-                Ok(None)
-            }
-            Err(RecvTimeoutError::Timeout) => {
+            Err(RecvTimeoutError::Timeout) if self.dumb.is_over() => {
                 Err(format!("{LINK} here does not answer any more: it is killed"))
             }
+            Err(RecvTimeoutError::Timeout) => Ok(None),
             Err(RecvTimeoutError::Disconnected) => Err("its process has ended".into()),
         }
     }

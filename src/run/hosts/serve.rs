@@ -3,6 +3,7 @@
 
 use std::{
     cell::RefCell,
+    fs,
     io::ErrorKind,
     net::{IpAddr, Ipv4Addr, TcpListener},
     os::fd::OwnedFd,
@@ -14,17 +15,17 @@ use std::{
 
 use clap::{Args, Parser as _};
 use process::{
-    ipc::time::Moment,
+    ipc::{computer, time::Moment},
     link::{CHANGED, Said, Told},
 };
 use serde_json::{Value, json};
 
-use super::{Link, command, file::Compared, seen, stand};
+use super::{DUMB_THERE_S, Link, command, file::Compared, seen, stand};
 use crate::{
     args::MachineArgs,
     cli::{Cli, Command},
     error::CliError,
-    run::{Prepared, RunArgs, claim::SUMMARY, folder::arguments_of, interrupts::Interrupts},
+    run::{Prepared, RunArgs, axes, ended::Ended, folder::arguments_of, interrupts::Interrupts},
     screen,
     temporary::Temporary,
     words,
@@ -32,8 +33,8 @@ use crate::{
 
 /// What folders for what comes are called.
 const FOLDER: &str = "serve";
-/// The file with what became of the last run.
-const OUTCOME: &str = "outcome.json";
+/// Most bytes of a file with a key.
+const KEY: u64 = 4096;
 /// Who is to end waits so long for whoever wants to know how the last run has ended, and then so long until
 /// the answer is on its way.
 const FETCHED: Duration = Duration::from_secs(5);
@@ -46,7 +47,7 @@ pub(crate) const HELP: &str = "Examples:
   pitchlock panel part.ngc --machine lathe.toml --key shop.key --at 10.0.0.2:7447    there, in a browser
 
 Both have the same machine file and the same pitchlock, or nothing moves. Run folders are made here, as those of
-`pitchlock run`; the summary is printed on both. Ctrl-C stops a run, and between runs ends this; SIGTERM does
+`pitchlock run`; the summary is told on both. Ctrl-C stops a run, and between runs ends this; SIGTERM does
 both.";
 
 #[derive(Clone, Debug, Args)]
@@ -107,23 +108,27 @@ pub(super) fn is_as_compared(args: &ServeArgs, compared: &str) -> Result<(), Cli
 /// Waits for programs, and runs them.
 pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError> {
     let mut file = Compared::read(&args.machine)?;
+    // A limit stays while this waits, and the link needs files as well.
+    computer::allow_files(computer::files(&axes(&args.machine.read()?.0)))?;
     let (listener, here) = listens(&args.listen)?;
     let mut interrupts = Some(Interrupts::catch()?);
-    let mut kept = Temporary::new(FOLDER)?;
-    let (mut told, mut leaves) = (false, false);
+    // Whoever has asked for a run hears how it has ended, whatever becomes of files meanwhile.
+    let (key, mut outcome) = (intake::text(&args.key, KEY).ok(), None);
+    let (mut told, mut leaves, mut owed) = (false, false, None);
     loop {
-        let incoming = Temporary::new(FOLDER)?;
+        let incoming = if told { again()? } else { Temporary::new(FOLDER)? };
         let mut command = command("lower", &file.hash, &args.key)?;
         command.arg("--into").arg(incoming.path());
-        let outcome = kept.path().join(OUTCOME);
-        if outcome.exists() {
-            command.arg("--outcome").arg(&outcome);
-        }
         let address = listener.try_clone().map_err(|error| CliError::Machine(error.to_string()))?;
-        let link = Link::start(command, Stdio::from(OwnedFd::from(address)))?;
+        let mut link = Link::start(command, Stdio::from(OwnedFd::from(address)), DUMB_THERE_S)?;
+        // The first one says what is wrong with the file.
+        let key = key.clone().filter(|_| told);
+        link.heard.tell(&Told::Before { key, outcome: outcome.clone() })?;
+        if file.compared().is_none() {
+            link.heard.tell(&Told::Compared(None))?;
+        }
         let told = (!std::mem::replace(&mut told, true) && !quiet).then_some(&*here);
-        let until = leaves.then(|| Moment::now().after(FETCHED));
-        let waits = Waits { file: &mut file, incoming: incoming.path(), told, until };
+        let waits = Waits { file: &mut file, incoming: incoming.path(), told, leaves, owed };
         let (link, wanted, compared) = match waits.asked_for(link, &mut interrupts)? {
             Came::Wanted(link, wanted, compared) => (link, wanted, compared),
             Came::Lost if leaves => return Ok(ExitCode::SUCCESS),
@@ -133,14 +138,8 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
         match wanted {
             Wanted::Run(run, words) => {
                 let asked = (incoming.path(), &*words, &*compared);
-                let value = one_run(args, (&run, asked), link, quiet, &mut interrupts);
-                if !kept.path().exists() {
-                    // Somebody has cleaned up.
-                    kept = Temporary::new(FOLDER)?;
-                }
-                let outcome = kept.path().join(OUTCOME);
-                let written = intake::replace(&outcome, value.to_string().as_bytes());
-                written.map_err(|error| CliError::file(&outcome, error))?;
+                outcome = Some(one_run(args, (&run, asked), link, quiet, &mut interrupts));
+                owed = Some(Moment::now().after(FETCHED));
                 leaves = interrupts.as_mut().is_some_and(Interrupts::ends);
             }
             Wanted::Panel(words) => {
@@ -156,6 +155,15 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
         interrupts.iter_mut().for_each(Interrupts::forget);
         file.has_changed();
     }
+}
+
+/// Another folder for what comes. Where somebody has removed the one for all temporary files, that is made
+/// anew.
+fn again() -> Result<Temporary, CliError> {
+    Temporary::new(FOLDER).or_else(|error| match fs::create_dir_all(std::env::temp_dir()) {
+        Ok(()) => Temporary::new(FOLDER),
+        Err(_) => Err(error),
+    })
 }
 
 /// What came of waiting.
@@ -175,8 +183,10 @@ struct Waits<'a, 'b> {
     incoming: &'a Path,
     /// The address, if it is to be told when the link listens.
     told: Option<&'a str>,
-    /// Until then, if nothing more is to begin.
-    until: Option<Moment>,
+    /// Nothing more is to begin.
+    leaves: bool,
+    /// So long whoever asked for the last run may not yet know how that has ended.
+    owed: Option<Moment>,
 }
 
 impl Waits<'_, '_> {
@@ -194,11 +204,11 @@ impl Waits<'_, '_> {
                         .iter()
                         .for_each(|address| words::say(&format!("the machine waits at {address}\n")));
                 }
-                Some(Said::Run { .. } | Said::Panel { .. }) if self.until.is_some() => {
+                Some(Said::Run { .. } | Said::Panel { .. }) if self.leaves => {
                     link.heard.tell(&Told::Refuse("the machine is switched off there".into()))?;
                 }
                 Some(Said::Fetched) => {
-                    self.until = self.until.map(|_| Moment::now().after(ON_ITS_WAY));
+                    self.owed = Some(Moment::now().after(ON_ITS_WAY));
                 }
                 Some(Said::Run { run, words, compared }) => {
                     return Ok(Came::Wanted(link, Wanted::Run(run, words), compared));
@@ -221,8 +231,8 @@ impl Waits<'_, '_> {
                 }
                 None => {}
             }
-            let is_enough = self.until.is_some_and(|until| until.passed());
-            if is_enough || interrupts.as_mut().is_some_and(Interrupts::is_wished) {
+            self.leaves |= interrupts.as_mut().is_some_and(Interrupts::is_wished);
+            if self.leaves && self.owed.is_none_or(|owed| owed.passed()) {
                 link.end();
                 return Ok(Came::Enough);
             }
@@ -236,7 +246,7 @@ impl Waits<'_, '_> {
     /// Looks at what others may change while nothing runs; whether the link can go on.
     fn is_as_it_was(&mut self, link: &mut Link) -> Result<bool, CliError> {
         if self.file.has_changed() {
-            link.heard.tell(&Told::Compared(self.file.hash.clone()))?;
+            link.heard.tell(&Told::Compared(self.file.compared()))?;
         }
         let is_there = self.incoming.exists();
         if !is_there {
@@ -292,7 +302,16 @@ fn one_run(
     // Whoever starts the processes takes it.
     let link = Rc::new(RefCell::new(Some(link)));
     match summed_up(args, asked, &link, quiet, interrupts) {
-        Ok((folder, summary)) => json!({ "run": run, "folder": folder, "summary": summary }),
+        Ok(ended) => {
+            let folder = ended.folder.canonicalize().unwrap_or_else(|_| ended.folder.clone());
+            let unwritten = ended.unwritten.as_ref().map(|error| screen::plain(&error.to_string()));
+            let value =
+                json!({ "run": run, "folder": folder, "summary": ended.summary, "unwritten": unwritten });
+            if let Err(error) = ended.tells(quiet) {
+                words::say(&format!("error: {error}\n"));
+            }
+            value
+        }
         Err(error) => {
             words::say(&format!("error: {error}\n"));
             let text = screen::plain(&error.to_string());
@@ -306,23 +325,18 @@ fn one_run(
     }
 }
 
-/// Its folder and its summary.
+/// What came of it.
 fn summed_up(
     args: &ServeArgs,
     (folder, words, compared): (&Path, &[String], &str),
     link: &Rc<RefCell<Option<Link>>>,
     quiet: bool,
     interrupts: &mut Option<Interrupts>,
-) -> Result<(PathBuf, Value), CliError> {
+) -> Result<Ended, CliError> {
     is_as_compared(args, compared)?;
     let run = arguments(args, folder, words)?;
     let mut prepared = Prepared::of(&run, quiet, interrupts, false)?;
-    let path = prepared.setup.folder.path.clone();
     prepared.setup.link = Rc::clone(link);
-    prepared.go(quiet, interrupts, None)?;
-    let summary = path.join(SUMMARY);
-    let text = intake::text(&summary, intake::SUMMARY).map_err(|error| CliError::file(&summary, error))?;
-    let summary = serde_json::from_str(&text).map_err(|error| CliError::file(&summary, error))?;
-    let absolute = path.canonicalize().unwrap_or(path);
-    Ok((absolute, summary))
+    prepared.stays = true;
+    prepared.runs(interrupts, None)
 }

@@ -67,17 +67,17 @@ pub(super) fn stand(
         if let Some(seen) = panel.seen(machine) {
             link.heard.shows(seen);
         }
-        match link.says() {
-            Some(Said::Press(_)) => panel.interrupt(),
-            Some(Said::Look) => panel.looks(),
-            Some(Said::Note(text)) => words::say(&format!("{text}\n")),
-            Some(Said::Why(text) | Said::Refused(text)) => lost = Some(text),
-            Some(_) => {}
-            None if link.is_over() => {
-                lost.get_or_insert_with(|| "its process has ended".into());
+        match link.heard.hears() {
+            Ok(Some(Said::Press(_))) => panel.interrupt(),
+            Ok(Some(Said::Look)) => panel.looks(),
+            Ok(Some(Said::Note(text))) => words::say(&format!("{text}\n")),
+            Ok(Some(Said::Why(text) | Said::Refused(text))) => lost = Some(text),
+            Ok(_) => {}
+            Err(text) => {
+                lost.get_or_insert(text);
+                link.is_given_up();
                 sleep_until(Moment::now().after(NAP));
             }
-            None => {}
         }
         if interrupts.as_mut().is_some_and(Interrupts::ends) {
             lost.get_or_insert_with(|| "`pitchlock serve` was told to end".into());
