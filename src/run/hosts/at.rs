@@ -13,7 +13,7 @@ use process::{
 use rig::observe::Summary;
 use serde_json::Value;
 
-use super::{Call, DUMB_S, Link, command, compared};
+use super::{Call, Link, command, compared};
 use crate::{
     error::CliError,
     run::{
@@ -61,7 +61,7 @@ pub(crate) fn run_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<Ex
     let caught = interrupts.as_mut().ok_or_else(|| CliError::Machine("signals are not caught".into()))?;
     let mut command = command("upper", &compared(&asked.machine)?, key)?;
     command.arg("--at").arg(at);
-    let link = Link::start(command, Stdio::null(), DUMB_S)?;
+    let link = Link::start(command, Stdio::null())?;
     let (wish, worked) = (Wish::None, (Moment::now(), 0));
     let mut far = Far {
         setup: &setup,

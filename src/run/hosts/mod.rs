@@ -44,10 +44,9 @@ pub(super) const LINK: &str = "pitchlock-link";
 /// How long nothing is looked at while the link says nothing.
 const NAP: Duration = Duration::from_millis(20);
 
-/// So long a link says nothing, which says twice a second that it lives: on the computer of whoever calls,
-/// and where the machine is, which stops as soon behind it as behind a cable that is cut, s.
+/// So long a link says nothing, which says twice a second that it lives, on either computer, s: longer than one
+/// with other work to do keeps a process waiting.
 const DUMB_S: f64 = 5.0;
-const DUMB_THERE_S: f64 = 2.0;
 /// So long a link may take for its last words.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
@@ -108,7 +107,7 @@ fn bare(end: &str) -> Result<Command, CliError> {
 pub(crate) fn hall(machines: &[Watch]) -> Result<Link, CliError> {
     let mut command = bare("hall")?;
     command.arg("--control").arg(env!("CARGO_PKG_VERSION"));
-    let mut link = Link::start(command, Stdio::null(), DUMB_S)?;
+    let mut link = Link::start(command, Stdio::null())?;
     link.heard.says(&machines)?;
     Ok(link)
 }
@@ -136,7 +135,7 @@ impl Link {
     /// Starts it, in a process group of its own: Ctrl-C reaches the launcher only. Its standard input is a
     /// socket by which both speak; its standard output, at the machine, the address at which it is called.
     /// One that says nothing for so long is given up.
-    fn start(mut command: Command, address: Stdio, dumb_s: f64) -> Result<Link, CliError> {
+    fn start(mut command: Command, address: Stdio) -> Result<Link, CliError> {
         let wrong = |error: std::io::Error| CliError::Machine(format!("cannot start {LINK}: {error}"));
         let (ear, its) = UnixStream::pair().map_err(wrong)?;
         command.stdin(Stdio::from(OwnedFd::from(its))).stdout(address).process_group(0);
@@ -153,7 +152,7 @@ impl Link {
             all.for_each(|said| drop(sender.send(said)));
         };
         std::thread::Builder::new().name("link".into()).spawn(hear).map_err(wrong)?;
-        let dumb = Watchdog::new(dumb_s);
+        let dumb = Watchdog::new(DUMB_S);
         Ok(Link {
             child,
             heard: Heard { said, ear, wish: Wish::None, why: None, looked: false, computed: 0, dumb },

@@ -15,7 +15,7 @@ use process::{
 };
 
 use super::{
-    Call, DUMB_S, Link,
+    Call, Link,
     at::{HERE_ALONE, asked_for, refuses},
     command, compared,
     stand::SOCKET,
@@ -76,7 +76,7 @@ pub(crate) fn panel_at(asked: &RunArgs, (at, key): Call, quiet: bool) -> Result<
     let listener = listener.map_err(|error| CliError::file(&socket, error))?;
     let mut command = command("panel", &compared(&asked.machine)?, key)?;
     command.arg("--at").arg(at);
-    let link = Link::start(command, Stdio::null(), DUMB_S)?;
+    let link = Link::start(command, Stdio::null())?;
     let first =
         serde_json::to_string(&server.first()).map_err(|error| CliError::Machine(error.to_string()))?;
     let tells = vec![send, Told::Panel { socket, first: first + "\n" }];

@@ -20,7 +20,7 @@ use process::{
 };
 use serde_json::{Value, json};
 
-use super::{DUMB_THERE_S, Link, command, file::Compared, seen, stand};
+use super::{Link, command, file::Compared, seen, stand};
 use crate::{
     args::MachineArgs,
     cli::{Cli, Command},
@@ -120,7 +120,7 @@ pub(crate) fn serve(args: &ServeArgs, quiet: bool) -> Result<ExitCode, CliError>
         let mut command = command("lower", &file.hash, &args.key)?;
         command.arg("--into").arg(incoming.path());
         let address = listener.try_clone().map_err(|error| CliError::Machine(error.to_string()))?;
-        let mut link = Link::start(command, Stdio::from(OwnedFd::from(address)), DUMB_THERE_S)?;
+        let mut link = Link::start(command, Stdio::from(OwnedFd::from(address)))?;
         // The first one says what is wrong with the file.
         let key = key.clone().filter(|_| told);
         link.heard.tell(&Told::Before { key, outcome: outcome.clone() })?;
