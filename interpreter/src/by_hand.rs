@@ -150,9 +150,10 @@ impl ByHand {
         self.given.len()
     }
 
-    /// What is in force, as words of a block.
+    /// What is in force: the dialect, and words of a block of it.
     pub fn in_force(&self) -> String {
-        self.interpreter.program.in_force()
+        let dialect = if self.is_fanuc() { "FANUC" } else { "LinuxCNC" };
+        format!("{dialect}: {}", self.interpreter.program.in_force())
     }
 
     /// Where zero of the program lies on the machine now.

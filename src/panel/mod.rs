@@ -41,6 +41,8 @@ use std::{
     time::Duration,
 };
 
+use interpreter::Dialect;
+use machine::ProgramDialect;
 use process::{
     ipc::time::{Moment, sleep_until},
     shell::Pace,
@@ -155,8 +157,15 @@ fn at_the_machine(
     // Whatever is wrong with the input is said before there is a panel.
     let loaded = asked.program.as_os_str() != args::BY_HAND;
     let empty = Empty::new(asked)?;
-    let by_hand = RunArgs { program: empty.path.clone(), by_hand: true, ..asked.clone() };
-    let (program, _) = run::judged(if loaded { asked } else { &by_hand })?;
+    let mut by_hand = RunArgs { program: empty.path.clone(), by_hand: true, ..asked.clone() };
+    let (program, dialect, _) = run::judged(if loaded { asked } else { &by_hand })?;
+    if loaded {
+        // Whoever has read the program goes on in its language.
+        by_hand.language.dialect = Some(match dialect {
+            Dialect::Linuxcnc => ProgramDialect::Linuxcnc,
+            Dialect::Fanuc | Dialect::FanucMill => ProgramDialect::Fanuc,
+        });
+    }
     let mut begins = Begins::at(asked, asked.from)?;
     asked.out.as_deref().map_or(Ok(()), written::empty)?;
     let name = program.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -47,7 +47,7 @@ impl Begins {
         if line.is_none() {
             return Ok(Begins::default());
         }
-        let shown = run::judged(&RunArgs { from: line, ..asked.clone() })?.1;
+        let shown = run::judged(&RunArgs { from: line, ..asked.clone() })?.2;
         let program = fs::read(&asked.program)
             .map_err(|error| CliError::Input(format!("{}: {error}", asked.program.display())))?;
         Ok(Begins { line, shown, program })

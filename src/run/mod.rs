@@ -32,7 +32,7 @@ use std::{
     rc::Rc,
 };
 
-use interpreter::Entry;
+use interpreter::{Dialect, Entry};
 use machine::Machine;
 use process::{
     ipc::Layout,
@@ -163,9 +163,9 @@ fn is_given(asked: &RunArgs, program: &Program) -> Result<(), CliError> {
     Err(CliError::file(&asked.program, text))
 }
 
-/// Reads all that a run is made of and runs nothing: its program, and where that is begun at a line, what
-/// is in force there.
-pub(crate) fn judged(asked: &RunArgs) -> Result<(PathBuf, Value), CliError> {
+/// Reads all that a run is made of and runs nothing: its program, the dialect of that, and where it is begun
+/// at a line, what is in force there.
+pub(crate) fn judged(asked: &RunArgs) -> Result<(PathBuf, Dialect, Value), CliError> {
     let mut args = repeatable(asked)?;
     let Shop { machine, language, .. } = args.machine.with_language(&args.language)?;
     args.language = language;
@@ -176,7 +176,8 @@ pub(crate) fn judged(asked: &RunArgs) -> Result<(PathBuf, Value), CliError> {
     let (scenario, _) = read_scenario(&args, &machine)?;
     can_be_played(&scenario, &args)?;
     let begun = program.entry.as_ref().map_or(Value::Null, |entry| entered::as_json(entry, &machine));
-    Ok((args.program, begun))
+    let (dialect, _) = interpreter::dialect(&args.program, &args.language.language(), &machine);
+    Ok((args.program, dialect, begun))
 }
 
 /// All that a run is made of, read and judged. Nothing is written yet.

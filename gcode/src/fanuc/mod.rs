@@ -22,6 +22,7 @@
 
 mod alone;
 mod block;
+mod by_hand;
 mod calls;
 mod codes;
 mod contour;
@@ -55,7 +56,7 @@ mod variables;
 use crate::block::{Block, letter_bit, letter_bits};
 use crate::canon::{Call, FeedMode, Plane};
 use crate::codes::{G, M, group, m_group};
-use crate::execute::{Done, Output, refused};
+use crate::execute::{Done, Output, compensation, refused};
 use crate::options::{DecimalPoint, Dialect, Options, Skips};
 use crate::problem::{Blame, Problem, short};
 use crate::state::State;
@@ -174,13 +175,13 @@ impl Control {
             self.start(state, out)?;
         }
         let at = self.flow.files.mark();
-        let Some(statement) = self.read(state, out)? else { return self.end_of_text(state) };
+        let Some(statement) = self.read(state, out)? else { return self.end_of_text(state, out) };
         let fresh = self.fresh;
         self.fresh &= matches!(statement, Statement::Nothing | Statement::Simulator(_));
         match statement {
             Statement::Nothing => self.comment(out),
             Statement::Program(_) if fresh => self.comment(out),
-            Statement::Program(_) => self.end_of_text(state),
+            Statement::Program(_) => self.end_of_text(state, out),
             Statement::Simulator(line) => self.simulator.take(line, &self.line, out),
             Statement::Block => {
                 self.modal.rigid |= self.line.rigid;
@@ -190,7 +191,9 @@ impl Control {
                     let (blame, message) = (Blame::Span(idle.span), idle.message.as_str());
                     out.warn(Problem::warning("no-effect", blame, message, "leave it out"));
                 }
-                self.execute(state, out)
+                self.execute(state, out)?;
+                self.started = !state.progress.ended;
+                Ok(())
             }
             Statement::Goto(label) => self.flow.goto(label),
             Statement::While(number, holds) => self.flow.begin(number, at, holds),
@@ -374,8 +377,9 @@ impl Control {
         Err(Problem::error("alarm", Blame::Block, message, "see what the program says before #3000"))
     }
 
-    /// The text ends, or another program begins.
-    fn end_of_text(&mut self, state: &mut State) -> Done {
+    /// The text ends, or another program begins. A text by hand may: what waits for a next move is made.
+    fn end_of_text(&mut self, state: &mut State, out: &mut Output) -> Done {
+        compensation::flush(state, out)?;
         state.progress.ended = true;
         if !self.flow.repeats {
             // The block that ends the program may have been wrong itself.

@@ -86,12 +86,24 @@ impl Modal {
             if home || line.block.g(HOLES) == Some(G(800)) || line.block.g(group::MOTION).is_some() {
                 (self.held, self.rigid) = (None, false);
             }
-            return self.held.map_or(self.motion, |held| held.code);
+            return self.in_force(true);
         }
         if home || line.block.g(DRILLING) == Some(G(800)) || line.block.g(group::MOTION).is_some() {
             (self.drill, self.rigid) = (None, false);
         }
-        self.drill.map_or(self.motion, |drill| drill.code)
+        self.in_force(false)
+    }
+
+    /// The cycle for holes in force, or the code of group 01.
+    pub(super) fn in_force(&self, mill: bool) -> G {
+        let cycle = if mill { self.held.map(|held| held.code) } else { self.drill.map(|drill| drill.code) };
+        cycle.unwrap_or(self.motion)
+    }
+
+    /// What a program begins with behind another one: offsets stay.
+    pub(super) fn anew(&mut self) -> Modal {
+        let additional = std::mem::take(&mut self.offsets.additional);
+        Modal { offsets: Offsets { additional, ..Offsets::default() }, ..Modal::default() }
     }
 
     /// The units change: lengths times a factor. The surface speed is forgotten, it has other units than

@@ -31,6 +31,11 @@ pub(super) struct Points {
 }
 
 impl Points {
+    /// Another text: what none was blamed for in the one before is done.
+    pub(super) fn goes_on(&mut self) {
+        self.bare = None;
+    }
+
     /// Takes a block. Behind a refusal lengths without a point are taken as mm or inch, as who mixes them
     /// mostly means them: what would follow from 0.04 mm is not found wrong as well.
     ///

@@ -60,6 +60,11 @@ impl Variables {
         }
     }
 
+    /// Nothing that was called goes on.
+    pub(super) fn only_main(&mut self) {
+        self.locals.truncate(1);
+    }
+
     /// A common variable, vacant or not; `None`: it is not one of them.
     pub(super) fn shared(&self, index: u32) -> Option<Option<f64>> {
         is_shared(index).then(|| self.common.get(index as usize).copied().flatten())

@@ -4,6 +4,7 @@
 //! In: the files of a program. Out: calls, line by line.
 
 use crate::block::Block;
+use crate::codes::G;
 use crate::execute::{self, Done, Output};
 use crate::options::{Dialect, Options};
 use crate::state::State;
@@ -32,6 +33,22 @@ impl Reader {
             Dialect::Fanuc | Dialect::FanucMill => {
                 Reader::Fanuc(Box::new(fanuc::Control::new(files, options)))
             }
+        }
+    }
+
+    /// Goes on with another text. What LinuxCNC keeps from block to block is in the state.
+    pub(super) fn goes_on(&mut self, files: Files, options: &Options) {
+        match self {
+            Reader::Fanuc(reader) => reader.goes_on(files, options),
+            Reader::Ngc(_) | Reader::Job(_) => *self = Reader::new(files, options),
+        }
+    }
+
+    /// What moves the words of a block that has no code for them, where the state does not tell.
+    pub(super) fn motion(&self) -> Option<G> {
+        match self {
+            Reader::Fanuc(reader) => Some(reader.motion()),
+            Reader::Ngc(_) | Reader::Job(_) => None,
         }
     }
 

@@ -3,6 +3,7 @@
 mod bad_programs;
 mod blocks;
 mod blunt;
+mod by_hand;
 mod chain;
 mod curves;
 mod cycle;

@@ -58,6 +58,24 @@ pub(super) fn ended(place: &Place, panel: Panel) -> Summary {
     Summary::read(&place.at("session/summary.json")).expect("a summary")
 }
 
+/// Whoever has loaded a program types its language; what is in force stays from block to block.
+#[test]
+fn blocks_are_in_the_dialect_of_the_program_that_is_loaded() {
+    let place = Place::new();
+    let text = "O0100\nG99 G97 S700 M03\nG00 X24. Z6.\nG32 Z-12. F1.5\nG00 X30.\nM30\n";
+    let program = place.write("part.nc", text).display().to_string();
+    let panel = by_hand(&place, &[&program, "--pace", "20", "--trace", "none"]);
+    let in_force = || panel.state()["by_hand"]["in_force"].as_str().expect("words").to_owned();
+    assert_eq!(in_force(), "FANUC: G0 G18 G21 G99 G54 T0 F0 S0");
+    does(&panel, "mdi", "G98 G01 X100. F6000.");
+    does(&panel, "mdi", "#500=35");
+    does(&panel, "mdi", "Z#500");
+    assert_eq!(in_force(), "FANUC: G1 G18 G21 G98 G54 T0 F6000 S0");
+    assert_eq!(stands(&panel), [50.0, 35.0]);
+    let summary = ended(&place, panel);
+    is_repeated(&place, "session", &summary);
+}
+
 #[test]
 fn blocks_and_steps_do_what_they_say_and_what_is_refused_says_why() {
     let place = Place::new();
