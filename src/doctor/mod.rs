@@ -3,10 +3,10 @@
 mod checks;
 mod real;
 
-use std::{fmt::Write as _, path::Path, process::ExitCode};
+use std::{fmt::Write as _, path::Path, process::ExitCode, time::Duration};
 
 use process::ipc::{
-    NameSpace, computer,
+    IpcError, NameSpace, computer,
     time::{Moment, be_punctual, lock_memory, processors, sleep_until},
 };
 
@@ -60,20 +60,7 @@ fn look(args: &DoctorArgs) -> Result<ExitCode, CliError> {
     let begun = Moment::now();
     let space = NameSpace::create(&axes(&machine));
     let can_run = space.is_ok();
-    let _ = match &space {
-        Ok(_) => writeln!(
-            text,
-            "ok    shared memory and channels of a machine: made in {:.0} ms",
-            begun.elapsed().as_secs_f64() * 1e3
-        ),
-        Err(error) => writeln!(
-            text,
-            "FAIL  channels of a machine: {}\n      this user needs a writable /dev/shm and a folder for temporary files (TMPDIR), with room in both",
-            // That is what is run here.
-            error.to_string().trim_end_matches("; run `pitchlock doctor`")
-        ),
-    };
-    drop(space);
+    text += &channels(space.map(|_| begun.elapsed()));
     // Whoever cannot have them has been told so above.
     let needed = computer::files(&axes(&machine));
     if computer::allow_files(needed).is_ok() {
@@ -125,6 +112,22 @@ fn look(args: &DoctorArgs) -> Result<ExitCode, CliError> {
     );
     screen::print(&text);
     Ok(if can_run { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Whether the channels of a machine could be made, and how long that took.
+fn channels(made: Result<Duration, IpcError>) -> String {
+    match made {
+        Ok(took) => format!(
+            "ok    shared memory and channels of a machine: made in {:.0} ms\n",
+            took.as_secs_f64() * 1e3
+        ),
+        Err(error) => format!(
+            "FAIL  channels of a machine: {}\n      this user needs a writable /dev/shm and a folder for temporary \
+             files (TMPDIR), with room in both\n",
+            // That is what is run here.
+            error.to_string().trim_end_matches("; run `pitchlock doctor`")
+        ),
+    }
 }
 
 /// Room where run folders are made.

@@ -17,6 +17,7 @@ mod keeps;
 pub(crate) mod moment;
 mod processes;
 mod progress;
+mod quiet;
 mod recorder;
 mod rendezvous;
 mod resumed;

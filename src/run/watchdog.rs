@@ -6,14 +6,11 @@ use std::time::Duration;
 use process::ipc::{
     NameSpace, Process,
     child::{used, waited_for_pages, waits_for_device},
-    time::Moment,
 };
 
-use super::children::Started;
+use super::{children::Started, quiet::Quiet};
 use crate::error::CliError;
 
-/// The longest time between two looks that counts: a launcher that was stopped itself has not waited.
-const STEP: Duration = Duration::from_millis(100);
 /// Before this nobody is asked who waits for whom.
 const QUIET: Duration = Duration::from_millis(500);
 /// Processes that wait say so once a second: so long what they say is collected at least.
@@ -49,8 +46,7 @@ impl Done {
 pub(crate) struct Watchdog {
     limit: Option<Duration>,
     /// For how long nothing has happened.
-    quiet: Duration,
-    last: Moment,
+    quiet: Quiet,
     /// What the interpreter had used of a processor when who waits for whom began to be collected.
     collecting: Option<Option<u64>>,
     /// What the living had done when the wait for their end began, or was last prolonged; and how often
@@ -63,27 +59,20 @@ impl Watchdog {
     /// A watchdog that bites after so many seconds; 0 is one that never does.
     pub(crate) fn new(limit_s: f64) -> Watchdog {
         let limit = Some(Duration::from_secs_f64(limit_s)).filter(|limit| !limit.is_zero());
-        Watchdog {
-            limit,
-            quiet: Duration::ZERO,
-            last: Moment::now(),
-            collecting: None,
-            done: Vec::new(),
-            prolonged: 0,
-        }
+        Watchdog { limit, quiet: Quiet::new(), collecting: None, done: Vec::new(), prolonged: 0 }
     }
 
     /// Something has happened.
     pub(crate) fn calm(&mut self) {
-        (self.quiet, self.last, self.collecting) = (Duration::ZERO, Moment::now(), None);
+        self.quiet.begins_anew();
+        self.collecting = None;
     }
 
     /// Whether the time is over, nothing having happened since [`Watchdog::calm`]. For waits in which nothing
     /// can happen any more but that they end.
     pub(crate) fn is_over(&mut self) -> bool {
-        self.quiet += self.last.elapsed().min(STEP);
-        self.last = Moment::now();
-        self.limit.is_some_and(|limit| self.quiet >= limit)
+        let quiet = self.quiet.look();
+        self.limit.is_some_and(|limit| quiet >= limit)
     }
 
     /// They are waited for from here on: they have only to end.
@@ -116,9 +105,8 @@ impl Watchdog {
         space: &mut NameSpace,
         started: &[Started],
     ) -> Result<Vec<Process>, CliError> {
-        self.is_over();
-        let Some(limit) = self.limit.filter(|limit| self.quiet >= QUIET && self.quiet + COLLECT >= *limit)
-        else {
+        let quiet = self.quiet.look();
+        let Some(limit) = self.limit.filter(|limit| quiet >= QUIET && quiet + COLLECT >= *limit) else {
             return Ok(Vec::new());
         };
         let Some(used_before) = self.collecting else {
@@ -126,7 +114,7 @@ impl Watchdog {
             self.collecting = Some(used_by_interpreter(started));
             return Ok(Vec::new());
         };
-        if self.quiet < limit.max(COLLECT) {
+        if quiet < limit.max(COLLECT) {
             return Ok(Vec::new());
         }
         let mut awaited = space.awaited()?;
@@ -156,10 +144,10 @@ impl Hunger {
     /// Whether the interpreter hangs: it has been awaited for all the time, and has computed nothing.
     pub(crate) fn look(&mut self, space: &mut NameSpace, started: &[Started]) -> Result<bool, CliError> {
         let is_over = self.watch.is_over();
-        if self.watch.limit.is_none() || self.watch.quiet < self.known + COLLECT {
+        if self.watch.limit.is_none() || self.watch.quiet.lasts() < self.known + COLLECT {
             return Ok(false);
         }
-        self.known = self.watch.quiet;
+        self.known = self.watch.quiet.lasts();
         let used = used_by_interpreter(started);
         let computed = used > std::mem::replace(&mut self.used, used).map(|ticks| ticks + 1);
         let awaited = space.awaited()?.contains(&Process::Interpreter) && used.is_some() && !computed;
@@ -190,6 +178,7 @@ fn used_by_interpreter(started: &[Started]) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use process::ipc::time::Moment;
     use std::process::{Child, Command};
 
     struct Ended(Child);

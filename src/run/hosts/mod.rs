@@ -30,7 +30,7 @@ use process::{
 
 use super::{
     interrupts::{Interrupts, Wish},
-    watchdog::Watchdog,
+    quiet::Quiet,
 };
 use crate::{args::MachineArgs, error::CliError, words};
 
@@ -44,9 +44,9 @@ pub(super) const LINK: &str = "pitchlock-link";
 /// How long nothing is looked at while the link says nothing.
 const NAP: Duration = Duration::from_millis(20);
 
-/// So long a link says nothing, which says twice a second that it lives, on either computer, s: longer than one
+/// So long a link says nothing, which says twice a second that it lives: on either computer longer than one
 /// with other work to do keeps a process waiting.
-const DUMB_S: f64 = 5.0;
+const DUMB: Duration = Duration::from_secs(5);
 /// So long a link may take for its last words.
 const LAST_WORDS: Duration = Duration::from_millis(500);
 
@@ -67,7 +67,7 @@ pub(crate) struct Heard {
     /// How often the interpreter on the other computer said that it computes.
     computed: u64,
     /// For how long nothing was heard.
-    dumb: Watchdog,
+    dumb: Quiet,
 }
 
 /// Who calls whom, and as what.
@@ -152,7 +152,7 @@ impl Link {
             all.for_each(|said| drop(sender.send(said)));
         };
         std::thread::Builder::new().name("link".into()).spawn(hear).map_err(wrong)?;
-        let dumb = Watchdog::new(DUMB_S);
+        let dumb = Quiet::new();
         Ok(Link {
             child,
             heard: Heard { said, ear, wish: Wish::None, why: None, looked: false, computed: 0, dumb },
@@ -212,7 +212,7 @@ impl Heard {
     /// What somebody at the other computer wants, all in all.
     pub(super) fn wish(&mut self) -> Wish {
         while let Ok(said) = self.said.try_recv() {
-            self.dumb.calm();
+            self.dumb.begins_anew();
             match said {
                 Said::Press(1) => self.wish = self.wish.max(Wish::Stop),
                 Said::Press(_) => self.wish = self.wish.max(Wish::EmergencyStop),
@@ -233,7 +233,7 @@ impl Heard {
 
     /// Whether it says nothing any more: each call is a look.
     pub(super) fn is_dumb(&mut self) -> bool {
-        self.dumb.is_over()
+        self.dumb.look() >= DUMB
     }
 
     /// What is said next, if that comes soon.
@@ -243,10 +243,10 @@ impl Heard {
     fn hears(&mut self) -> Result<Option<Said>, String> {
         match self.said.recv_timeout(NAP) {
             Ok(said) => {
-                self.dumb.calm();
+                self.dumb.begins_anew();
                 Ok(Some(said).filter(|said| *said != Said::Beat))
             }
-            Err(RecvTimeoutError::Timeout) if self.dumb.is_over() => {
+            Err(RecvTimeoutError::Timeout) if self.is_dumb() => {
                 Err(format!("{LINK} here does not answer any more: it is killed"))
             }
             Err(RecvTimeoutError::Timeout) => Ok(None),

@@ -59,7 +59,8 @@ fn the_length_does_not_depend_on_where_zero_of_the_program_lies() {
     };
     let here_mm = length_mm(0.0);
     assert!(here_mm > 10.0, "{here_mm}");
-    [14.0, -50.0, 300.0].iter().for_each(|z| close(length_mm(*z), here_mm, 1e-3));
+    // But for one of the stations, 72 a turn, on the border.
+    [14.0, -50.0, 300.0].iter().for_each(|z| close(length_mm(*z), here_mm, 2.0 / 72.0 + 1e-6));
 }
 
 fn gauged(nominal: Nominal, passes: &[(ThreadPass, Injected)]) -> GaugeReport {

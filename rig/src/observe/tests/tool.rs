@@ -124,7 +124,7 @@ fn a_pass_that_does_not_say_its_depth_is_in_contact_until_its_way_out_is_free() 
     assert_eq!(one(in_air, |_, _| 9.0).tool, Default::default());
 }
 
-/// Nobody has said where it lies: wherever G54 and the tool put zero of the program. Who has said so is believed.
+/// Nobody has said where: wherever G54 and the tool put zero of the program. A machine file is believed.
 #[test]
 fn stock_of_which_nothing_is_said_lies_below_zero_of_the_program() {
     let contact_deg = |zero_mm: Option<f64>, plant: &str| {
