@@ -47,9 +47,12 @@ pub struct LowerArgs {
     pub into: PathBuf,
 }
 
+/// What became of a run, with its name.
+type Became = (String, Value);
+
 /// What the launcher says first: the key, if it was read before, and what became of the run before, with its
 /// name.
-fn before(parent: &mut impl BufRead) -> Result<(Option<Key>, Option<(String, Value)>), LinkError> {
+fn before(parent: &mut impl BufRead) -> Result<(Option<Key>, Option<Became>), LinkError> {
     let wrong = |error: &dyn Display| LinkError::broken("the first line of the launcher", error);
     let mut line = String::new();
     parent.read_line(&mut line).map_err(|error| wrong(&error))?;
