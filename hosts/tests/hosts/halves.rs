@@ -6,7 +6,7 @@ use std::{
     net::TcpListener,
     os::unix::fs::PermissionsExt as _,
     path::{Path, PathBuf},
-    process::Stdio,
+    process::{Output, Stdio},
     thread::Builder,
     time::Duration,
 };
@@ -199,16 +199,21 @@ fn a_measurement_that_is_told_to_end_ends_with_its_link() {
     }
 }
 
-#[test]
-fn a_link_that_is_stopped_beside_the_program_is_given_up() {
-    let place = waiting();
+/// A run whose link is stopped on one of the hosts in its second pass: what is said of it.
+fn cut_where_the_link_stops(place: &Place, host: Host) -> Output {
     let run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "2"]).spawn();
     let run = run.expect("it starts");
     place.cuts(1);
-    let links = place.links(Host::A);
-    links.iter().for_each(|link| signal(*link, "STOP"));
+    place.links(host).iter().for_each(|link| signal(*link, "STOP"));
     let output = ended(run, 15.0);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    output
+}
+
+#[test]
+fn a_link_that_is_stopped_beside_the_program_is_given_up() {
+    let place = waiting();
+    let output = cut_where_the_link_stops(&place, Host::A);
     assert!(text(&output).contains("pitchlock-link here does not answer any more"), "{}", text(&output));
     assert!(place.links(Host::A).is_empty(), "it is ended");
     until("the machine there rests", 60.0, || place.is_clean(Host::B));
@@ -218,12 +223,7 @@ fn a_link_that_is_stopped_beside_the_program_is_given_up() {
 #[test]
 fn a_link_that_is_stopped_at_the_machine_stops_it() {
     let place = waiting();
-    let run = place.far(&project("examples/m20x2.ngc"), &["--trace", "none", "--pace", "2"]).spawn();
-    let run = run.expect("it starts");
-    place.cuts(1);
-    place.links(Host::B).iter().for_each(|link| signal(*link, "STOP"));
-    let output = ended(run, 15.0);
-    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    cut_where_the_link_stops(&place, Host::B);
     let path = place.runs()[0].join("summary.json");
     until("the machine rests", 30.0, || path.exists());
     let summary: Value = serde_json::from_str(&fs::read_to_string(path).expect("read")).expect("a summary");

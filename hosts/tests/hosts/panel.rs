@@ -46,6 +46,16 @@ impl Panel {
         Panel { launcher: Some(launcher), relay: Relay::start(place), address, token }
     }
 
+    /// One at which m20x2 was started, at this pace, and cuts.
+    fn in_a_pass(place: &Place, pace: &str) -> Panel {
+        let program = project("examples/m20x2.ngc").display().to_string();
+        let panel = Panel::start(place, &[&program, "--pace", pace, "--trace", "none"]);
+        panel.press("take-seat", Value::Null);
+        panel.press("start", Value::Null);
+        until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+        panel
+    }
+
     fn request(&self, line: &str, body: &str) -> Value {
         let (address, token) = (&self.address, &self.token);
         let head = format!("{line} HTTP/1.1\r\nHost: {address}\r\nAuthorization: Bearer {token}\r\n");
@@ -89,11 +99,7 @@ impl Panel {
 fn a_machine_that_is_told_to_end_ends_the_panel_from_far() {
     let mut place = Place::new(None);
     place.serve(&[]);
-    let name = project("examples/m20x2.ngc").display().to_string();
-    let mut panel = Panel::start(&place, &[&name, "--pace", "2", "--trace", "none"]);
-    panel.press("take-seat", Value::Null);
-    panel.press("start", Value::Null);
-    until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+    let mut panel = Panel::in_a_pass(&place, "2");
     place.signal_serve("TERM");
     assert_eq!(ended(panel.launcher.take().expect("it is there"), 20.0).status.code(), Some(1));
     let said = fs::read_to_string(place.at("panel.txt")).expect("words");
@@ -265,11 +271,7 @@ fn a_cable_that_is_pulled_for_a_second_is_not_noticed() {
     let program = project("examples/m20x2.ngc");
     let alone = place.alone(&program, &[]);
     place.serve(&[]);
-    let name = program.display().to_string();
-    let mut panel = Panel::start(&place, &[&name, "--pace", "8", "--trace", "none"]);
-    panel.press("take-seat", Value::Null);
-    panel.press("start", Value::Null);
-    until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+    let mut panel = Panel::in_a_pass(&place, "8");
     for _ in 0..2 {
         place.cable.as_ref().expect("laid").plug(false);
         wait_s(1.0);
@@ -287,13 +289,10 @@ fn whoever_stands_there_is_killed_in_a_program_and_the_machine_comes_to_rest() {
     let Some(cable) = Cable::lay() else { return };
     let mut place = Place::new(Some(cable));
     place.serve(&[]);
-    let program = project("examples/m20x2.ngc").display().to_string();
-    let mut panel = Panel::start(&place, &[&program, "--pace", "2", "--trace", "none"]);
-    panel.press("take-seat", Value::Null);
-    panel.press("start", Value::Null);
-    until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+    let program = project("examples/m20x2.ngc");
+    let mut panel = Panel::in_a_pass(&place, "2");
     // Two at once: the second one is told that the machine is somebody's.
-    let second = place.far(std::path::Path::new(&program), &[]).output().expect("it starts");
+    let second = place.far(&program, &[]).output().expect("it starts");
     let text = String::from_utf8_lossy(&second.stderr).into_owned();
     assert!(second.status.code() == Some(2) && text.contains("somebody stands at it"), "{text}");
     let launcher = panel.launcher.take().expect("it is there");
@@ -310,11 +309,7 @@ fn whoever_stands_there_is_killed_in_a_program_and_the_machine_comes_to_rest() {
 fn a_link_that_is_stopped_at_the_machine_in_a_program_brings_it_to_rest() {
     let mut place = Place::new(None);
     place.serve(&[]);
-    let program = project("examples/m20x2.ngc").display().to_string();
-    let mut panel = Panel::start(&place, &[&program, "--pace", "2", "--trace", "none"]);
-    panel.press("take-seat", Value::Null);
-    panel.press("start", Value::Null);
-    until("a pass is seen", 60.0, || panel.state()["passes"][0]["pass"] == 1);
+    let mut panel = Panel::in_a_pass(&place, "2");
     let links = place.links(Host::B);
     links.iter().for_each(|link| signal(*link, "STOP"));
     assert_eq!(ended(panel.launcher.take().expect("it is there"), 15.0).status.code(), Some(1));

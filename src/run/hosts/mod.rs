@@ -134,7 +134,6 @@ pub(crate) fn ping(machine: &MachineArgs, (at, key): (&str, &Path)) -> Result<Ex
 impl Link {
     /// Starts it, in a process group of its own: Ctrl-C reaches the launcher only. Its standard input is a
     /// socket by which both speak; its standard output, at the machine, the address at which it is called.
-    /// One that says nothing for so long is given up.
     fn start(mut command: Command, address: Stdio) -> Result<Link, CliError> {
         let wrong = |error: std::io::Error| CliError::Machine(format!("cannot start {LINK}: {error}"));
         let (ear, its) = UnixStream::pair().map_err(wrong)?;
